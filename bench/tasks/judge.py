@@ -23,6 +23,12 @@ PITCH_M = 0.00125
 """Of M8."""
 FAR_M = 10.0
 NEAR_M = 1e-6
+TURN_M = 5e-6
+"""How far beside a face a part turns off into another direction."""
+
+
+_Running = tuple[float, int, str]
+"""When a step ends, its part, and the tool in hand."""
 
 
 class Judge:
@@ -54,6 +60,40 @@ class Judge:
                     heapq.heappush(queue, (now, number, *after))
         return None
 
+    def soonest(self, people: int) -> float | None:
+        """Seconds until several people have the wanted part out, at best; None if nothing takes it out.
+
+        All schedules: whoever is free begins with what can be done, or waits for the next step of another to end. What
+        is being taken out is in the way until it is out.
+        """
+        start = (0.0, frozenset[int](), tuple[_Running, ...](), ("",) * people)
+        queue: list[tuple[float, int, frozenset[int], tuple[_Running, ...], tuple[str, ...]]] = [(0.0, 0, *start[1:])]
+        seen, number = {start}, 0
+        while queue:
+            now, _, out, running, hands = heapq.heappop(queue)
+            if self.made.wanted in out:
+                return now
+            following = []
+            busy = {part for _, part, _ in running}
+            for hand in sorted(set(hands)):
+                left = list(hands)
+                left.remove(hand)
+                for part, tool, seconds in self.actions(out, hand):
+                    if part not in busy:
+                        one = (round(now + seconds, 9), part, tool or hand)
+                        following.append((now, out, tuple(sorted([*running, one])), tuple(left)))
+            if running:
+                end = running[0][0]
+                ended = [each for each in running if each[0] <= end]
+                free = tuple(sorted([*hands, *(tool for _, _, tool in ended)]))
+                following.append((end, out | {part for _, part, _ in ended}, running[len(ended) :], free))
+            for state in following:
+                if state not in seen:
+                    seen.add(state)
+                    number += 1
+                    heapq.heappush(queue, (state[0], number, *state[1:]))
+        return None
+
     def actions(self, out: frozenset[int], hand: str) -> Iterator[tuple[int, str, float]]:
         """What can be done in a state: the part, the tool, the seconds."""
         elements = self.times.elements
@@ -81,13 +121,39 @@ class Judge:
                     yield part, "", elements["take"].mean + elements["aside"].mean
 
     def is_free(self, part: int, others: list[int]) -> bool:
-        """Whether it leaves along an axis."""
-        ways = itertools.product(range(3), (FAR_M, -FAR_M))
-        return any(not any(self._blocks(part, other, axis, by) for other in others) for axis, by in ways)
+        """Whether it leaves along an axis, or along one and then along another."""
+        boxes = self.made.parts[part].boxes
+        ways = list(itertools.product(range(3), (1.0, -1.0)))
+        if any(self._is_clear(boxes, others, axis, sign * FAR_M) for axis, sign in ways):
+            return True
+        for axis, sign in ways:
+            for by in self._turns(boxes, others, axis, sign):
+                if not self._is_clear(boxes, others, axis, sign * by):
+                    break
+                there = boxes.copy()
+                there[:, :, axis] += sign * by
+                if any(self._is_clear(there, others, other, way * FAR_M) for other, way in ways if other != axis):
+                    return True
+        return False
+
+    def _turns(self, boxes: Floats, others: list[int], axis: int, sign: float) -> list[float]:
+        """How far along an axis it has passed a face of another part, or is just before one; the nearest first."""
+        found: set[float] = set()
+        for other in others:
+            faces = self.made.parts[other].boxes[:, :, axis].ravel()
+            apart = sign * (faces[:, None] - boxes[:, :, axis].ravel())
+            found.update((apart + TURN_M).ravel().tolist(), (apart - TURN_M).ravel().tolist())
+        return sorted(by for by in found if by > 0.0)
+
+    def _is_clear(self, boxes: Floats, others: list[int], axis: int, by: float) -> bool:
+        return not any(self._meets(boxes, other, axis, by) for other in others)
 
     def _blocks(self, part: int, other: int, axis: int, by: float) -> bool:
         """Whether a part meets another on its way along an axis."""
-        swept = self.made.parts[part].boxes.copy()
+        return self._meets(self.made.parts[part].boxes, other, axis, by)
+
+    def _meets(self, own: Floats, other: int, axis: int, by: float) -> bool:
+        swept = own.copy()
         if by > 0.0:
             swept[:, 1, axis] += by
         else:

@@ -1,21 +1,27 @@
 """The parts that block straight motions of a part: the arcs of a directional blocking graph, computed on demand.
 
 Wilson and Latombe, "Geometric reasoning about mechanical assembly", Artificial Intelligence 71, 1994. The directions of
-a part come from its contacts, from the axes of fasteners and from the world. Parts hit by casts block it; so do parts
-that it intersects at the start and would enter deeper. `removal` later checks each step by its own rule.
+a part come from its contacts, from its own faces, from the axes of fasteners and from the faces of the scene. Parts hit
+by casts block it; so do parts that it intersects at the start and would enter deeper. `removal` later checks each step
+by its own rule.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
+from feeler.plan.frames import part_axes, scene_axes
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
@@ -30,7 +36,7 @@ NEAR_SHARE = 1e-3
 fits."""
 OPPOSED = 1e-3
 """A touching plane blocks directions whose cosine against its normal exceeds this."""
-MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 18
+MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 26
 """Contact normals, those that come before the directions along two, and directions, per part. A larger value finds more
 motions of crowded parts, and takes longer."""
 MOST_BLOCKERS = 24
@@ -46,6 +52,8 @@ DEPTHS_AT_ONCE = 4
 """Parts whose depth is measured between two looks at the clock: each may take a second."""
 SAME_COSINE = 1.0 - 1e-8
 """Directions closer than this are one: 0.1 mrad."""
+SAME_LABEL = 1e-6
+"""Directions of two parts that are this close, radians, are one, by which they can leave together."""
 
 SHANK_PLAY = 1.12
 """A fastener joins the parts that its shank, this much wider, collides with. Holes are up to a tenth wider than their
@@ -88,6 +96,32 @@ class BlockingGraph:
         self._exits: dict[int, list[Exit]] = {}
         self._sources: dict[int, _Source] = {}
         self._holding: dict[int, frozenset[int]] = {}
+        self._labels: list[Direction] = []
+
+    @cached_property
+    def axes(self) -> list[Floats]:
+        """Three axes of the scene."""
+        return scene_axes(self.question.scene)
+
+    @cached_property
+    def meshes(self) -> PartMeshes:
+        """The triangles of each part."""
+        return PartMeshes(self.question.scene.mockup)
+
+    def _named(self, one: Exit) -> Exit:
+        """An exit whose motions have the names of the same directions of other parts: these differ by rounding."""
+        return replace(one, motions=tuple(self._label(motion) for motion in one.motions))
+
+    def _label(self, motion: Any) -> Hashable:
+        """The first direction that was known within `SAME_LABEL` of one."""
+        if not (isinstance(motion, tuple) and len(motion) == 3 and isinstance(motion[0], float)):
+            return cast(Hashable, motion)
+        if self._labels:
+            apart = np.abs(np.array(self._labels) - np.array(motion)).max(axis=1)
+            if apart.min() <= SAME_LABEL:
+                return self._labels[int(np.argmin(apart))]
+        self._labels.append(motion)
+        return motion
 
     def expect(self, nodes: Sequence[int]) -> None:
         """Computes the exits of several parts at once. Where there is an executor alone: they may not be needed. No
@@ -117,15 +151,20 @@ class BlockingGraph:
             if node not in self.question.kept:
                 self.clock.tell(f"what blocks {self.question.names([node])}")
                 first = self._ahead.pop(node, FirstExits((), 0, MOST_BLOCKERS, False))
-                self._exits[node] = list(first.exits)
+                self._exits[node] = [self._named(one) for one in first.exits]
                 self._sources[node] = _Source(self, node, first)
         source = self._sources.get(node)
         while source is not None and all(one.blockers for one in self._exits[node]):
             more = source.next(self._exits[node])
             if more is None:
                 break
-            self._exits[node] = undominated([*self._exits[node], more])
+            self._exits[node] = undominated([*self._exits[node], self._named(more)])
         return self._exits[node]
+
+    def directions(self, node: int) -> list[Direction]:
+        """The directions of a part, if its exits were computed here."""
+        source = self._sources.get(node)
+        return [] if source is None else source.directions
 
     def holding(self, node: int) -> frozenset[int]:
         """The removable fasteners that join a part to others."""
@@ -188,8 +227,8 @@ class _Source:
     def __init__(self, graph: BlockingGraph, node: int, first: FirstExits) -> None:
         self.graph, self.node = graph, node
         self.done, self.fewest, self.is_all = first.done, first.fewest, first.is_all
-        self._mover: _Mover | None = None
-        self._directions: list[Direction] = []
+        self._mover: Mover | None = None
+        self.directions: list[Direction] = []
 
     def next(self, known: Sequence[Exit]) -> Exit | None:
         """Another exit, unless all directions are blocked for good, dominated by known exits, or the time is up."""
@@ -198,13 +237,13 @@ class _Source:
         graph, node_of = self.graph, self.graph.question.node_of
         holding = graph.holding(self.node)
         if self._mover is None:
-            self._mover = _Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
-            self._directions = list(self._mover.directions())
-        while self.done < len(self._directions):
+            self._mover = Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
+            self.directions = list(self._mover.directions())
+        while self.done < len(self.directions):
             if not graph.clock.goes_on():
                 return None
             graph.clock.look()
-            direction = self._directions[self.done]
+            direction = self.directions[self.done]
             self.done += 1
             least = set(map(node_of, self._mover.opposed(direction)))
             if any(one.blockers < least for one in known):
@@ -217,15 +256,15 @@ class _Source:
         return None
 
 
-class _Mover:
+class Mover:
     """A part, or the wanted ones with their tool, among all other parts of the scene."""
 
-    def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int]) -> None:
+    def __init__(self, graph: BlockingGraph, node: int, before: frozenset[int], shape: Tool | None = None) -> None:
+        """before: parts that leave before it, or may touch it. shape: instead of its own."""
         self.graph, self.question, self.node = graph, graph.question, node
-        # Parts that leave before it, or may touch it.
         self.passed = graph.allowed | before
         self.parts = self.question.parts_of([node])
-        self.tool = self.question.moving([node])
+        self.tool = self.question.moving([node]) if shape is None else shape
         self.rest = self.question.scene.without(list(self.parts))
         self.size = float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
         touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
@@ -239,18 +278,26 @@ class _Mover:
         self.doubtful: set[int] = set()
 
     def directions(self) -> Iterator[Direction]:
-        """The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
-        two contacts, both ways, those opposed by the fewest touching parts first."""
+        """The given directions; then the axes of the scene, of fasteners and of its own faces, contact normals, and the
+        directions along two contacts, both ways: those opposed by the fewest touching parts first, of these the ways
+        that are the shortest out. An assembly in another pose has the same ones, turned."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
                 normals.append(normal)
         normals = normals[:MOST_NORMALS]
+        own = part_axes(np.concatenate([self.graph.meshes.corners(part) for part in self.parts]))
         axes = [fastener.axis for fastener in self.graph.joints.among(self.parts)]
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
         asked = self.question.grip["directions"] if self.node == TARGET else None
         given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
-        lines = [*np.eye(3), *axes, *normals[:FIRST_NORMALS], *(line for line in across if np.linalg.norm(line) > 0.1)]
+        lines = [
+            *self.graph.axes,
+            *axes,
+            *own,
+            *normals[:FIRST_NORMALS],
+            *(line for line in across if np.linalg.norm(line) > 0.1),
+        ]
         lines += normals[FIRST_NORMALS:]
         all_: list[Direction] = []
         for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
@@ -266,7 +313,8 @@ class _Mover:
         for direction in chosen:
             rounding &= self.opposed(direction)
         self.doubtful = rounding
-        return iter(sorted(chosen, key=lambda direction: len(self.opposed(direction))))
+        # To a micrometre: in another pose ways that are as long differ by rounding.
+        return iter(sorted(chosen, key=lambda each: (len(self.opposed(each)), round(self._way_out(each), 6))))
 
     def opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
@@ -274,21 +322,21 @@ class _Mover:
         touching = np.abs(self.contacts.gaps) <= TOUCH_M
         return set(self.contacts.parts[against & touching].tolist()) - self.passed
 
-    def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
-        """All other parts that block a direction; `None` if a kept part does, if there are more than `most`, or if the
-        time is up."""
+    def blockers(self, direction: Direction, most: int, far: float = math.inf) -> frozenset[int] | None:
+        """All other parts that block a direction, up to a distance, metres; `None` if a kept part does, if there are
+        more than `most`, or if the time is up."""
         kept = self.question.kept
         opposed = self.opposed(direction)
         found = opposed - self.doubtful
         if not found & kept:
             found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
-        pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
+        pose, end = np.eye(4), self._moved(direction, min(far, self._way_out(direction)))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
             self.graph.clock.look()
             ignore = [("*", sorted(passed))] if passed else None
             # The next cast starts where the last one hit.
-            hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
+            hit = self.rest.cast(self.tool, pose, end, touching="free", ignore=ignore)
             if hit is None:
                 return frozenset(found)
             passed.add(hit.part)
@@ -332,14 +380,20 @@ class _Mover:
         return pose
 
     def _way_out(self, direction: Direction) -> float:
-        """The distance along a direction at which the box of the tool leaves the box of all else, metres."""
-        boxes = self.question.scene.mockup.part_bounds.reshape(-1, 2, 3)[self.rest.part_mask]
-        lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-        low, high = self.tool.bounds
-        along = np.array(direction)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            leave = np.where(along > 0, (upper - low) / along, np.where(along < 0, (lower - high) / along, np.inf))
-        return max(0.0, float(leave.min())) + TOUCH_M
+        return way_out(self.rest, self.tool, direction)
+
+
+def way_out(rest: Scene, tool: Tool, direction: Direction) -> float:
+    """The distance along a direction at which the box of a tool leaves the box of a scene, metres."""
+    if not rest.part_mask.any():
+        return 0.0
+    boxes = rest.mockup.part_bounds.reshape(-1, 2, 3)[rest.part_mask]
+    lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    low, high = tool.bounds
+    along = np.array(direction)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        leave = np.where(along > 0, (upper - low) / along, np.where(along < 0, (lower - high) / along, np.inf))
+    return max(0.0, float(leave.min())) + TOUCH_M
 
 
 class Joints:

@@ -75,17 +75,22 @@ class Clock:
         """Seconds, at least `LEAST_S`."""
         return max(LEAST_S, self.seconds - self.spent)
 
+    @property
+    def share(self) -> float:
+        """What is reported as done: the share of the time, 0 to 1."""
+        return min(1.0, self.spent / self.seconds)
+
     def goes_on(self) -> bool:
         """Whether there is time left."""
         return self.spent < self.seconds and not self._is_stopped()
 
     def tell(self, what: str) -> None:
-        """Reports the share of the time and the current attempt. Raises `StoppedError` if it was stopped."""
+        """Reports the share that is done and the current attempt. Raises `StoppedError` if it was stopped."""
         self._told, self._what = time.monotonic(), what
         if self._is_stopped():
             raise StoppedError
         if self.progress is not None:
-            self.progress(min(1.0, self.spent / self.seconds), what)
+            self.progress(self.share, what)
 
     def look(self, _share: float = 0.0, _stage: str = "") -> None:
         """Reports the current attempt again, at most every `LOOK_S`. Raises what `tell` raises."""

@@ -12,7 +12,9 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
+from feeler.plan.sequence import Exit
 from feeler.scene import Scene
+from feeler.tasks.elastic import Rings
 from feeler.tasks.fixings import Fixing, Fixings
 from feeler.tasks.reached import Reached, Reaching, Tooled
 from feeler.tasks.search import Choice, Way
@@ -61,6 +63,14 @@ class _Graph(BlockingGraph):
     def __init__(self, question: Together, clock: Clock, fixings: Fixings) -> None:
         super().__init__(question, clock)
         self._fixings = fixings
+        self.rings = Rings(self, fixings)
+
+    def exits(self, node: int) -> list[Exit]:
+        """As of the graph of a removal order; a ring leaves its groove first."""
+        if node not in self._exits and node not in self.question.kept and node in self.rings:
+            self.clock.tell(f"how {self.question.names([node])} leaves its groove")
+            self._exits[node] = self.rings.exits(node)
+        return super().exits(node)
 
     def holding(self, node: int) -> frozenset[int]:
         """The fasteners that are undone before a part leaves."""
@@ -91,7 +101,11 @@ class Actions:
     ) -> None:
         self.question, self.clock, self.fixings, self.reaching, self.times = question, clock, fixings, reaching, times
         self.graph = _Graph(question, clock, fixings)
+        self.rings = self.graph.rings
         self.get_seconds = times.elements["get"].mean
+        by_hand = min(times.elements[name].mean for name in ("take", "draw", "clip", "pin"))
+        typed = [each.mean for each in times.times.typed.values()]
+        self.quickest = min([by_hand + times.elements["aside"].mean, *typed])
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
         self._needed: dict[int, frozenset[int]] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,8 @@ from feeler.arguments import check_kind, check_list, check_number, check_progres
 from feeler.errors import OptionError
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fasteners, find_fasteners
-from feeler.plan.question import TARGET, Clock
-from feeler.plan.removal import LARGEST_SEED, Removal, alone, removal
+from feeler.plan.question import TARGET
+from feeler.plan.removal import LARGEST_SEED
 from feeler.plan.sequence import Exit
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -25,21 +25,21 @@ from feeler.tasks.answer import Task
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
+from feeler.tasks.leading import ASKED_ROUNDS, BENT_ROUNDS, Leading, Led
+from feeler.tasks.pacing import Pace
 from feeler.tasks.reached import Reaching, Tooled
-from feeler.tasks.search import Found, Ordered, Search
+from feeler.tasks.search import Found, Ordered, Search, Unit
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
-STRAIGHT_ROUNDS = 2
-"""Rounds of the search for the way of a part whose direction is known."""
-BENT_ROUNDS = 8
-"""Rounds for a part that no straight motion takes out."""
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
+FOUND, HELD, READY, SEARCHED = 0.1, 0.2, 0.25, 0.85
+"""Shares of the progress when fasteners are found, what they hold, what leaves together, and the order."""
 
 
 def task(
@@ -77,7 +77,8 @@ def task(
       these.
     - `seconds`: the search ends then. The plan depends neither on it, unless it ended it (`is_complete`), nor on
       `threads`.
-    - `progress`: called with the share of the time, 0 to 1, and what is done.
+    - `progress`: called with the share of the work that is done, as far as it is known, or of the time if that is more,
+      0 to 1, and what is done. It never goes back.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
     `MeshError` for tools that are none, `LoadError` for a bad file of times.
@@ -95,17 +96,17 @@ def task(
         path = scene.mockup.part_paths[min(kept & set(wanted))]
         raise OptionError(f"keep has {path!r}, which is wanted: leave it out of one of them")
     reaching = Reaching(scene, tools, workers)
-    clock = Clock(limit, progress)
-    clock.tell("looking for fasteners")
+    clock = Pace(limit, progress)
+    clock.stage(FOUND, "looking for fasteners")
     if fasteners is None:
-        fasteners = find_fasteners(scene, None, lambda _share, _stage: clock.look())
+        fasteners = find_fasteners(scene, None, clock.heard)
     check_kind("fasteners", fasteners, Fasteners, "the result of feeler.find_fasteners")
-    clock.tell("looking at what they hold")
+    clock.stage(HELD, "looking at what they hold")
     if held is None:
-        held = holds(scene, fasteners)
+        held = holds(scene, fasteners, progress=clock.heard)
     check_kind("held", held, Holds, "the result of feeler.holds")
     fixings = Fixings(scene, fasteners, held, table)
-    clock.tell("looking at what leaves together")
+    clock.stage(READY, "looking at what leaves together")
     question = _question(scene, wanted, kept, fixings, seed, workers)
     actions = Actions(question, clock, fixings, reaching, table)
     forced = _forced(scene, before, question)
@@ -205,7 +206,7 @@ class _Planner:
     def __init__(
         self,
         actions: Actions,
-        clock: Clock,
+        clock: Pace,
         people: int,
         wanted: tuple[str, ...],
         forced: Mapping[int, frozenset[int]],
@@ -213,18 +214,25 @@ class _Planner:
         self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
-        self.tries = 0
-        self.bound = 0.0
+        self.leading = Leading(actions, clock, people == 1)
 
     def task(self) -> Task:
         """The best plan whose ways hold."""
-        found = self._found()
+        answer = self._best()
+        self.clock.stage(1.0, "done")
+        self.clock.within(1.0)
+        self.clock.tell("done")
+        return answer
+
+    def _best(self) -> Task:
+        self.clock.stage(SEARCHED, "searching the quickest order")
+        found = self._found(self.clock.within)
         for _ in range(MOST_PLANS):
             if found.steps is None:
                 if not (found.is_complete and self._try_bent(found)):
                     break
             else:
-                checked = self._checked(found.steps)
+                checked = None if self._asks_before(found.steps) else self._checked(found.steps)
                 if checked is not None:
                     return self._answer(found, checked)
             if not self.clock.goes_on():
@@ -232,15 +240,18 @@ class _Planner:
             found = self._found()
         return self._blocked(found)
 
-    def _found(self) -> Found:
+    def _found(self, told: Callable[[float], None] = lambda share: None) -> Found:
         self.clock.tell("searching the quickest order")
-        return Search(self.actions, TARGET, self.clock.goes_on, self.forced).best()
+        self.search = Search(self.actions, TARGET, self.clock.goes_on, self.forced, told)
+        return self.search.best()
 
     def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
         """The steps with their ways; None if one does not hold, and then its blockers are known."""
         out: frozenset[int] = frozenset()
         checked = []
-        for step in steps:
+        self.clock.stage(1.0, "checking the ways")
+        for n, step in enumerate(steps):
+            self.clock.within(n / len(steps))
             one = self._checked_step(step, out)
             if one is None:
                 return None
@@ -265,33 +276,13 @@ class _Planner:
             return _Checked(step, parts, way, looked - set(parts), f"{fixing.hold.because}; {said}")
         if not parts:
             return _Checked(step, (), np.eye(4)[None], frozenset(), "")
-        found = self._way(step, parts, gone)
+        found = self.leading.way(step.unit, parts, out)
         if not found.is_found:
             self._learn(step, found)
             return None
-        method = found.certificate.method
-        said = "; ".join(str(leg) for leg in found.legs) or method
-        return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), said)
+        return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), found.said)
 
-    def _way(self, step: Ordered, parts: tuple[int, ...], gone: frozenset[int]) -> Removal:
-        scene = self.question.scene
-        self.clock.tell(f"checking the way of {self.mockup.part_names[parts[0]]}")
-        if int(scene.part_mask.sum()) <= len(parts) + len(gone):
-            return alone(int(self.question.options["seed"]))
-        motion: Any = step.unit.motion
-        is_straight = isinstance(motion, tuple) and len(motion) == 3
-        return removal(
-            scene.without(sorted(gone)) if gone else scene,
-            list(parts),
-            directions=[motion] if is_straight else None,
-            seconds=self.clock.left,
-            rounds=STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS,
-            seed=self.question.options["seed"],
-            threads=self.question.options["threads"],
-            progress=lambda _share, _stage: self.clock.look(),
-        )
-
-    def _learn(self, step: Ordered, tried: Removal) -> None:
+    def _learn(self, step: Ordered, tried: Led) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
         graph, question = self.actions.graph, self.question
         items = set(step.unit.items)
@@ -305,30 +296,29 @@ class _Planner:
         """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave."""
         graph, question = self.actions.graph, self.question
         stuck = [item for item in found.stuck if not (self.actions.is_turned(item) or item in question.kept)]
-        stuck = [item for item in stuck if all(self.actions.holders(item))]
-        for item in sorted(stuck, key=question.size):
+        for item in sorted((item for item in stuck if all(self.actions.holders(item))), key=question.size):
             if item == TARGET and not question.wanted:
                 continue
-            gone = graph.most_gone() | self.actions.graph.holding(item) - {item}
-            parts = [part for part in question.parts_of([item]) if part not in self.actions.gone(gone)]
-            away = sorted(self.actions.gone(gone) - set(parts))
-            if not parts or int(question.scene.part_mask.sum()) <= len(parts) + len(away):
-                continue
-            self.tries += 1
-            self.clock.tell(f"searching a bent way of {self.mockup.part_names[parts[0]]}")
-            way = removal(
-                question.scene.without(away) if away else question.scene,
-                parts,
-                seconds=self.clock.left,
-                rounds=BENT_ROUNDS,
-                seed=question.options["seed"],
-                threads=question.options["threads"],
-                progress=lambda _share, _stage: self.clock.look(),
-            )
-            if way.is_found:
-                met = frozenset(node for node in gone if question.is_met(frozenset([item]), node, way))
-                graph.learn(item, Exit((self.tries,), met - {item}))
+            gone = graph.most_gone() | graph.holding(item) - {item}
+            if self.leading.search(item, gone - {TARGET}, BENT_ROUNDS):
                 return True
+        return False
+
+    def _asks_before(self, steps: tuple[Ordered, ...]) -> bool:
+        """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
+        these have to go."""
+        actions, out = self.actions, frozenset[int]()
+        sure = self.search.sure()
+        needs = [self._needed(step.unit) for step in steps]
+        for n, step in enumerate(steps):
+            elsewhere = sure.union(*(each for m, each in enumerate(needs) if m != n))
+            extra = step.unit.before - elsewhere
+            for item in step.unit.items if extra else ():
+                if actions.is_turned(item) or not self.leading.has_play(item, out - extra):
+                    continue
+                if self.leading.search(item, out - extra, ASKED_ROUNDS):
+                    return True
+            out |= set(step.unit.items)
         return False
 
     def _answer(self, found: Found, checked: list[_Checked]) -> Task:
@@ -341,7 +331,8 @@ class _Planner:
         slots = scheduled(jobs, self.actions.get_seconds, self.people)
         steps = tuple(self._step(n, checked[n], timed[n], after[n], slots[n]) for n in range(len(checked)))
         chain = [steps[n] for n in critical(slots)]
-        bound = min(found.bound / max(1, self.people), max((slot.end for slot in slots), default=0.0))
+        spent = max((slot.end for slot in slots), default=0.0)
+        bound = found.bound if self.people == 1 else max(found.bound / self.people, self.search.longest())
         notes = []
         if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
@@ -354,9 +345,9 @@ class _Planner:
             parts=self.wanted,
             is_found=True,
             steps=steps,
-            seconds=max((slot.end for slot in slots), default=0.0),
+            seconds=spent,
             spread=math.sqrt(math.fsum(step.spread**2 for step in chain)),
-            bound=bound,
+            bound=min(bound, spent),
             blocked=(),
             people=self.people,
             is_complete=found.is_complete,
@@ -373,7 +364,7 @@ class _Planner:
         """Of each step those before it that it depends on."""
         found = []
         for n, one in enumerate(checked):
-            needed = self._needed(one)
+            needed = self._needed(one.ordered.unit)
             if isinstance(one.ordered.choice.key, Tooled):
                 after = self._with_room(checked, n, needed)
             else:
@@ -400,9 +391,9 @@ class _Planner:
                 after = fewer
         return after
 
-    def _needed(self, one: _Checked) -> frozenset[int]:
+    def _needed(self, unit: Unit) -> frozenset[int]:
         """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
-        actions, unit = self.actions, one.ordered.unit
+        actions = self.actions
         joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
         mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
         return joints | mates | unit.before

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Rays
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
 from feeler.tasks.passing import passed_by
+from feeler.tasks.rings import ring_of
 
 Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 TOUCH_M = 2e-4
 """Parts nearer than this lean on a circlip, metres."""
@@ -23,7 +26,8 @@ CLASP_M = 5e-4
 """What clamps and clips hold may have this gap: rubber is often not drawn."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
-_AROUND, _RADII = 24, 12  # rays around a circlip, on each side, and at how many distances from its axis
+_AROUND = 24  # rays around a circlip, on each side
+_SHARES = (0.02, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.98)  # where, across its width
 _LEAST = 0.2  # the share of them that hit a part that leans on it
 
 
@@ -62,7 +66,10 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     mask = scene.part_mask.copy()
     mask[[*taken, *circlips, *pins]] = False
     bare, meshes = scene.only(mask), PartMeshes(mockup)
-    rows = [_circlip(bare, part, meshes.mesh(part)[0]) for part in circlips]
+    others = scene.part_mask.copy()
+    others[circlips] = False
+    around = scene.only(others)  # a pin, and a bolt, can have a groove, and a pin can lean on a circlip
+    rows = [_circlip(around, part, *meshes.mesh(part), taken) for part in circlips]
     rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
         parts = tuple(each.part for each in passed)
@@ -88,27 +95,34 @@ def _rod(path: str, part: int, vertices: Floats) -> Fastener:
     return Fastener(part, path, "stud", framed(top, axis), size, np.nan, length, np.nan, 1.0, "")
 
 
-def _circlip(scene: Scene, part: int, vertices: Floats) -> Retained:
-    """What leans on one side of a ring; what is on both sides has its groove."""
-    mockup = scene.mockup
-    middle, axes = _axes(vertices)
-    axis = axes[:, 0]
-    frame = framed(middle, axis)
-    local = (vertices - middle) @ frame[:3, :3]
-    radii = np.hypot(local[:, 0], local[:, 1])
-    half = float(np.abs(local[:, 2]).max())
+def _circlip(scene: Scene, part: int, vertices: Floats, faces: Ints, fasteners: set[int]) -> Retained:
+    """What leans on one side of a ring, but threaded fasteners; what is on both sides has its groove."""
+    mockup, ring = scene.mockup, ring_of(vertices, faces)
+    if ring is None:
+        return Retained(part, "circlip", (), None, "its name says circlip, but it is no ring")
+    frame = framed(ring.middle, ring.axis)
     turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
     sides: list[set[int]] = []
-    for way in (axis, -axis):
+    leaning = set[int]()
+    for way in (ring.axis, -ring.axis):
         found = set[int]()
-        for radius in np.linspace(radii.min(), radii.max(), _RADII + 2)[1:-1]:
+        for share in _SHARES:
+            radius = ring.inner + share * ring.width
             at = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
-            hits = scene.rays(middle + at, np.broadcast_to(way, (_AROUND, 3)), within=half + TOUCH_M)
-            names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
-            found.update(int(n) for n, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND)
+            origins, ways = ring.middle + at, np.broadcast_to(way, (_AROUND, 3))
+            hits = scene.rays(origins, ways, within=max(ring.thickness, 0.5 * ring.thickness + TOUCH_M))
+            found |= _most(hits, ring.thickness)
+            leaning |= _most(hits, 0.5 * ring.thickness + TOUCH_M)
         sides.append(found)
     both = sides[0] & sides[1]
     anchor = min(both) if both else None
-    parts = tuple(sorted((sides[0] | sides[1]) - both))
+    parts = tuple(sorted(leaning - both - fasteners))
     said = "no groove was found" if anchor is None else f"its groove is in {mockup.part_paths[anchor]!r}"
     return Retained(part, "circlip", parts, anchor, f"{said}; its name says circlip")
+
+
+def _most(hits: Rays, within: float) -> set[int]:
+    """The parts that a share of the rays around hit within a distance, metres."""
+    is_near = (np.asarray(hits.triangles) >= 0) & (np.asarray(hits.distances) <= within)
+    names, counts = np.unique(np.asarray(hits.parts)[is_near], return_counts=True)
+    return {int(name) for name, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND}

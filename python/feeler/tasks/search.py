@@ -23,6 +23,8 @@ MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
 MOST_STATES = 5_000
 """States of one order; beyond it the order is completed step by step, the quickest first."""
+SETTLED = 0.75
+"""The share of the progress of a search when it has a plan."""
 SLACK = 1e-9
 """Seconds that do not count."""
 
@@ -50,6 +52,8 @@ class Problem(Protocol):
 
     get_seconds: float
     """For each change of the tool in hand."""
+    quickest: float
+    """The least seconds of any step by hand."""
 
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener, which leaves alone along its axis and needs a tool."""
@@ -146,9 +150,11 @@ class Search:
         target: int,
         goes_on: Callable[[], bool] = lambda: True,
         forced: Mapping[int, frozenset[int]] | None = None,
+        told: Callable[[float], None] = lambda share: None,
     ) -> None:
-        """forced: of items those that go before them, if they go at all."""
-        self._forced = forced or {}
+        """forced: of items those that go before them, if they go at all. told: called with the share of the search that
+        is done, as far as it is known: of the needs of a plan, then of the way from its bound to its seconds."""
+        self._forced, self._told = forced or {}, told
         self.problem, self.target, self._goes_on = problem, target, goes_on
         self.sets = 0
         """Sets that were looked at."""
@@ -168,12 +174,50 @@ class Search:
         is_complete = first.is_complete and second.is_complete
         return Found(second.steps, second.seconds, max(first.bound, second.bound), is_complete, self.stuck)
 
+    def sure(self) -> frozenset[int]:
+        """The items that every plan takes out."""
+        first = self._grown(_Set(frozenset(), ()), [self.target])
+        assert first is not None
+        return first.items
+
+    def longest(self) -> float:
+        """The least seconds of the longest chain of steps that every plan has: none is done in less, by any number of
+        people. A fastener waits for what is on its axis and in the way of its tool, a part for the fasteners that hold
+        it; whoever undoes one has taken a tool before."""
+        ends: dict[int, float] = {}
+        return max(self._end(item, frozenset([item]), ends) for item in self.sure())
+
+    def _end(self, item: int, above: frozenset[int], ends: dict[int, float]) -> float:
+        """When an item of a plan is out at the earliest, seconds. above: what waits for it; ends: those known."""
+        if item not in ends:
+            problem, is_turned = self.problem, self.problem.is_turned(item)
+            before = {next(iter(joint)) for joint in problem.holders(item) if len(joint) == 1}
+            before |= problem.needed(item) if is_turned else set()
+            ways = [way.blockers for way in problem.ways(item)]
+            in_all = frozenset.intersection(*ways) if ways else frozenset[int]()
+            before |= {each for each in in_all if is_turned or self._leaves_alone(each)}
+            start = max((self._end(each, above | {each}, ends) for each in before - above), default=0.0)
+            if is_turned:
+                least = problem.least(item)
+                needs_tool = least > 0.0 and not problem.mates(item)
+                ends[item] = max(start, problem.get_seconds if needs_tool else 0.0) + least
+            else:
+                own = problem.by_hand([item]).seconds
+                # A part may leave together with another one, whose time then counts.
+                is_own = item == self.target or self._leaves_alone(item)
+                ends[item] = start + (own if is_own else min(own, problem.quickest))
+        return ends[item]
+
+    def _leaves_alone(self, item: int) -> bool:
+        """Whether no plan takes it out together with another item."""
+        return self.problem.is_turned(item) or not any(way.blockers for way in self.problem.ways(item))
+
     def _run(self, known: Found) -> Found:
         """The search over sets. known: a plan from before."""
         best, seconds = known.steps, known.seconds
         queue: list[tuple[float, int, _Set]] = []
         seen: set[Hashable] = set()
-        least_leaf, number, looked = math.inf, 0, 0
+        least_leaf, number, looked, opened = math.inf, 0, 0, 0.0
         limit = MOST_SETS if best is None else MOST_MORE
         first = self._grown(_Set(frozenset(), ()), [self.target])
         assert first is not None
@@ -193,6 +237,11 @@ class Search:
                 break
             bound, _, one = heapq.heappop(queue)
             looked += 1
+            if best is None:
+                self._told(SETTLED * self._settled(one))
+            else:
+                closed = (bound - opened) / (seconds - opened) if seconds > opened else 1.0
+                self._told(SETTLED + (1.0 - SETTLED) * max(closed, looked / limit))
             if one.needs:
                 waiting = list(self._children(one))
                 continue
@@ -203,6 +252,7 @@ class Search:
                 continue
             least_leaf = min(least_leaf, bound)
             if best is None:
+                opened = bound
                 limit = min(limit, looked + MOST_MORE)
             cost = self._seconds(steps)
             if cost < seconds - SLACK:
@@ -210,6 +260,11 @@ class Search:
         self.sets += looked
         lowest = queue[0][0] if queue else math.inf
         return Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+
+    def _settled(self, one: _Set) -> float:
+        """The share of the needs of a set that are settled."""
+        turned = sum(self.problem.is_turned(item) for item in one.items)
+        return max(0.0, 1.0 - len(one.needs) / (len(one.items) + turned))
 
     def _bound(self, one: _Set) -> float:
         """The least seconds of all plans that take this set out: of its fasteners, of its parts with a known way, as
@@ -327,6 +382,8 @@ class Search:
         for item, blockers in order.blocked.items():
             if not blockers - one.items:
                 self._note(item, blockers)
+        for item, blockers in order.waiting.items():
+            self._note(item, blockers)
         helping = frozenset[int]().union(*order.blocked.values()) if order.blocked else frozenset[int]()
         return None, helping - one.items
 
@@ -367,6 +424,8 @@ class _Order:
         self.problem, self.units, self._goes_on = problem, units, goes_on
         self.all = frozenset(item for unit in units for item in unit.items)
         self.blocked: dict[int, frozenset[int]] = {}
+        self.waiting: dict[int, frozenset[int]] = {}
+        """Where no tool lacks room: what waits for what waits for it, parts if there are any."""
         self._least = [self._cheapest(unit) for unit in units]
 
     def _cheapest(self, unit: Unit) -> float:
@@ -463,6 +522,10 @@ class _Order:
                 choices, blockers = self.problem.tooled(item, out)
                 if not choices:
                     self.blocked[item] = blockers - {item}
+        if not self.blocked:
+            left = [unit for unit in self.units if not out & set(unit.items) and not unit.before <= out]
+            parts = [unit for unit in left if not self.problem.is_turned(unit.items[0])]
+            self.waiting = {item: unit.before - out for unit in parts or left for item in unit.items}
 
 
 def _leading_to(items: set[int], chosen: Mapping[int, Way]) -> set[int]:

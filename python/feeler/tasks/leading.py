@@ -1,0 +1,196 @@
+"""The ways of the parts of a step: checked, and searched where no straight motion takes a part out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mockup import Tool
+from feeler.plan.blocking import way_out
+from feeler.plan.question import Clock
+from feeler.plan.removal import Allowed, Removal, RemovalBlocker, not_tried, removal, way_from
+from feeler.plan.sequence import Exit
+from feeler.tasks.actions import Actions
+from feeler.tasks.elastic import RingWay
+from feeler.tasks.rings import Slip
+from feeler.tasks.search import Unit
+
+Floats = npt.NDArray[np.float64]
+
+STRAIGHT_ROUNDS = 2
+"""Rounds of the search for the way of a part whose direction is known."""
+BENT_ROUNDS = 8
+"""Rounds for a part that no straight motion takes out."""
+SHORTER_M = 1e-3
+"""Ways that are shorter by less are not."""
+PLAY_SHARE = 0.02
+"""How far a part can be moved at least before it is searched for a bent way, in sizes of it."""
+ASKED_ROUNDS = 2
+"""Rounds before it is said that other parts have to go for one."""
+
+
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Led:
+    """The way of the parts of a step."""
+
+    is_found: bool
+    poses: Floats
+    """`(k, 4, 4)`, as of `Removal`."""
+    said: str
+    blocked_by: tuple[RemovalBlocker, ...]
+
+
+@dataclass(frozen=True)
+class Bent:
+    """The name of a motion that a search found."""
+
+    number: int
+
+
+class Leading:
+    """Leads parts out, and remembers the ways that searches found."""
+
+    def __init__(self, actions: Actions, clock: Clock, is_shortest: bool) -> None:
+        """is_shortest: whether the shortest of the straight ways is taken, not one that waits for the fewest parts."""
+        self.is_shortest = is_shortest
+        self.actions, self.clock, self.question = actions, clock, actions.question
+        self._mockup = self.question.scene.mockup
+        self._bent: dict[Bent, tuple[frozenset[int], Led]] = {}
+        self._searched: set[tuple[int, frozenset[int]]] = set()
+
+    def way(self, unit: Unit, parts: tuple[int, ...], out: frozenset[int]) -> Led:
+        """The way of a step while items are out."""
+        gone = self.actions.gone(out)
+        self.clock.tell(f"checking the way of {self._mockup.part_names[parts[0]]}")
+        if self._is_last(parts, gone):
+            return Led(True, np.eye(4)[None], "nothing else is left around it", ())
+        motion: Any = unit.motion
+        if isinstance(motion, Slip):
+            return self._of_ring(self.actions.rings.way(motion), parts, gone, STRAIGHT_ROUNDS, True)
+        if isinstance(motion, Bent):
+            before, led = self._bent[motion]
+            if before <= out:
+                return led
+        is_straight = isinstance(motion, tuple) and len(motion) == 3
+        rounds = STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS
+        direction = [self._shortest(unit, parts, gone)] if is_straight else None
+        return _led(self._removal(parts, gone, rounds, direction))
+
+    def _shortest(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> Any:
+        """The direction in which parts are out first: their motion, or one that is free now that others are gone. Not
+        for several people: they need not wait for those."""
+        if not self.is_shortest:
+            return unit.motion
+        question = self.question
+        rest = question.scene.without([*parts, *gone])
+        tool = Tool.of_parts(self._mockup, list(parts))
+        motion: Any = unit.motion
+        most = way_out(rest, tool, motion) - SHORTER_M
+        found = {each: way_out(rest, tool, each) for each in self.actions.graph.directions(unit.items[0])}
+        shorter = sorted((each for each, far in found.items() if far < most), key=lambda each: round(found[each], 6))
+        for each in shorter:
+            self.clock.look()
+            far = np.eye(4)
+            far[:3, 3] = found[each] * np.array(each)
+            if rest.cast(tool, np.eye(4), far, touching="free") is None:
+                return each
+        return motion
+
+    def search(self, item: int, out: frozenset[int], rounds: int) -> bool:
+        """Whether a way is found while items are out, by pushes and random trees too; the graph then knows it, with
+        those of the items that it collides with. It is searched once for each set."""
+        actions, question = self.actions, self.question
+        gone = actions.gone(out)
+        parts = tuple(part for part in question.parts_of([item]) if part not in gone)
+        key = (item, frozenset(gone))
+        if key in self._searched or not parts or self._is_last(parts, gone):
+            return False
+        self._searched.add(key)
+        self.clock.tell(f"searching a way of {self._mockup.part_names[parts[0]]}")
+        if item not in actions.rings:
+            led, needed = _led(self._removal(parts, gone, rounds, None)), frozenset[int]()
+        else:
+            led, needed = Led(False, np.eye(4)[None], "", ()), frozenset[int]()
+            for way in actions.rings.ways(item):
+                if way.blockers <= out:
+                    led, needed = self._of_ring(way, parts, gone, rounds, False), way.blockers
+                    if led.is_found:
+                        break
+        if not led.is_found:
+            return False
+        met = frozenset(node for node in out if self._is_met(item, node, led.poses)) - {item}
+        name = Bent(len(self._bent) + 1)
+        self._bent[name] = (met | needed, led)
+        actions.graph.learn(item, Exit((name,), met | needed))
+        return True
+
+    def has_play(self, item: int, out: frozenset[int]) -> bool:
+        """Whether a part can be moved a little in one of its directions while items are out: without, a longer search
+        is not worth it."""
+        if item in self.actions.rings:
+            return True
+        gone = self.actions.gone(out)
+        parts = [part for part in self.question.parts_of([item]) if part not in gone]
+        rest = self.question.scene.without([*parts, *gone])
+        tool = Tool.of_parts(self._mockup, parts)
+        far = PLAY_SHARE * float(np.linalg.norm(tool.bounds[1] - tool.bounds[0]))
+        for direction in self.actions.graph.directions(item):
+            self.clock.look()
+            pose = np.eye(4)
+            pose[:3, 3] = far * np.array(direction)
+            if rest.cast(tool, np.eye(4), pose, touching="free") is None:
+                return True
+        return False
+
+    def _is_met(self, item: int, node: int, poses: Floats) -> bool:
+        self.clock.look()
+        parts = [part for part in self.question.parts_of([node]) if self.question.scene.part_mask[part]]
+        there = self.question.scene.only(parts)
+        return not there.check_path(self.question.moving([item]), poses, touching="free").is_free
+
+    def _is_last(self, parts: tuple[int, ...], gone: frozenset[int]) -> bool:
+        return int(self.question.scene.part_mask.sum()) <= len(parts) + len(gone)
+
+    def _of_ring(
+        self, way: RingWay, parts: tuple[int, ...], gone: frozenset[int], rounds: int, is_straight: bool
+    ) -> Led:
+        """Opened until it lies free; from there on its way is searched."""
+        direction = [way.slipping.direction] if is_straight else None
+        found = self._removal(parts, gone, rounds, direction, way.slipping.pose)
+        led = _led(found)
+        said = f"{way.slipping}" + (f"; then {led.said}" if found.legs else "")
+        return Led(led.is_found, np.concatenate([np.eye(4)[None], led.poses]), said, led.blocked_by)
+
+    def _removal(
+        self,
+        parts: Iterable[int],
+        gone: frozenset[int],
+        rounds: int,
+        directions: Any,
+        lies: Floats | None = None,
+    ) -> Removal:
+        question, options = self.question, self.question.options
+        scene = question.scene.without(sorted(gone)) if gone else question.scene
+        if not self.clock.goes_on():
+            return not_tried(int(options["seed"]))
+        asked: dict[str, Any] = {
+            "directions": directions,
+            "seconds": self.clock.left,
+            "rounds": rounds,
+            "seed": options["seed"],
+            "threads": options["threads"],
+            "progress": lambda _share, _stage: self.clock.look(),
+        }
+        if lies is None:
+            return removal(scene, list(parts), **asked)
+        allowed = Allowed.of(scene, None, 0.0, True)
+        return way_from(lies, scene, list(parts), tool=None, start=None, allowed=allowed, clearance=0.0, **asked)
+
+
+def _led(found: Removal) -> Led:
+    said = "; ".join(str(leg) for leg in found.legs) or "it is clear of all other parts where it is"
+    return Led(found.is_found, found.poses, said, found.blocked_by)
