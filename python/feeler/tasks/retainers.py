@@ -59,16 +59,23 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     said = {part: retainer_said(mockup.part_names[part]) for part in some}
     circlips = [part for part in some if said[part] == "circlip"]
     pins = [part for part in some if said[part] == "pin"]
-    mask = scene.part_mask.copy()
-    mask[[*taken, *circlips, *pins]] = False
-    bare, meshes = scene.only(mask), PartMeshes(mockup)
-    rows = [_circlip(bare, part, meshes.mesh(part)[0]) for part in circlips]
+    meshes = PartMeshes(mockup)
+    # Grooves are also in pins and bolts.
+    around = _without(scene, circlips)
+    rows = [_circlip(around, part, meshes.mesh(part)[0], taken) for part in circlips]
+    bare = _without(scene, [*taken, *circlips, *pins])
     rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
         parts = tuple(each.part for each in passed)
         how = "it is in no part" if not parts else "it goes through them"
         rows.append(Retained(rod.part, "pin", parts, None, f"{how}; its name says pin"))
     return rows
+
+
+def _without(scene: Scene, parts: Iterable[int]) -> Scene:
+    mask = scene.part_mask.copy()
+    mask[list(parts)] = False
+    return scene.only(mask)
 
 
 def _axes(vertices: Floats) -> tuple[Floats, Floats]:
@@ -88,27 +95,63 @@ def _rod(path: str, part: int, vertices: Floats) -> Fastener:
     return Fastener(part, path, "stud", framed(top, axis), size, np.nan, length, np.nan, 1.0, "")
 
 
-def _circlip(scene: Scene, part: int, vertices: Floats) -> Retained:
+def _ring(vertices: Floats) -> tuple[Floats, float, float]:
+    """The frame of a ring, open ones included, and its least and greatest radius."""
+    middle, axes = _axes(vertices)
+    frame = framed(middle, axes[:, 0])
+    local = (vertices - middle) @ frame[:3, :3]
+    centre = _centre(local[:, :2])
+    frame[:3, 3] += frame[:3, :2] @ centre
+    radii = np.hypot(*(local[:, :2] - centre).T)
+    return frame, float(radii.min()), float(radii.max())
+
+
+def _centre(points: Floats) -> Floats:
+    """The middle of the circle that the inner or the outer edge of a ring is on, whichever is rounder. points: (n, 2)."""
+    best, least = _circle(points)[:2]
+    radii = np.hypot(*(points - best).T)
+    for is_edge in (radii < np.median(radii), radii >= np.median(radii)):
+        edge = points[is_edge]
+        for _ in range(3):
+            if len(edge) < 6:
+                break
+            centre, spread, off = _circle(edge)
+            if spread < least:
+                best, least = centre, spread
+            edge = edge[off <= 2.0 * np.median(off) + 1e-12]  # without lugs and ends
+    return best
+
+
+def _circle(points: Floats) -> tuple[Floats, float, Floats]:
+    """A circle through points by least squares: its middle, the spread of the radii over their mean, and how far each
+    point is off. I. Kasa, IEEE Transactions on Instrumentation and Measurement 25 (1976) 8."""
+    left = np.column_stack([2.0 * points, np.ones(len(points))])
+    centre = np.linalg.lstsq(left, np.einsum("ij,ij->i", points, points), rcond=None)[0][:2]
+    radii = np.hypot(*(points - centre).T)
+    off = np.abs(radii - np.median(radii))
+    return centre, float(radii.std() / max(radii.mean(), 1e-300)), off
+
+
+def _circlip(scene: Scene, part: int, vertices: Floats, fasteners: set[int]) -> Retained:
     """What leans on one side of a ring; what is on both sides has its groove."""
     mockup = scene.mockup
-    middle, axes = _axes(vertices)
-    axis = axes[:, 0]
-    frame = framed(middle, axis)
-    local = (vertices - middle) @ frame[:3, :3]
-    radii = np.hypot(local[:, 0], local[:, 1])
-    half = float(np.abs(local[:, 2]).max())
+    frame, inner, outer = _ring(vertices)
+    axis, middle = frame[:3, 2], frame[:3, 3]
+    half = float(np.abs((vertices - middle) @ axis).max())
     turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
-    sides: list[set[int]] = []
+    ring = np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
+    sides: list[dict[int, int]] = []
     for way in (axis, -axis):
-        found = set[int]()
-        for radius in np.linspace(radii.min(), radii.max(), _RADII + 2)[1:-1]:
-            at = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
-            hits = scene.rays(middle + at, np.broadcast_to(way, (_AROUND, 3)), within=half + TOUCH_M)
+        found: dict[int, int] = {}
+        for radius in np.linspace(inner, outer, _RADII + 2)[1:-1]:
+            hits = scene.rays(middle + radius * ring, np.broadcast_to(way, (_AROUND, 3)), within=half + TOUCH_M)
             names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
-            found.update(int(n) for n, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND)
+            for name, count in zip(names.tolist(), counts.tolist(), strict=True):
+                if count >= _LEAST * _AROUND:
+                    found[int(name)] = found.get(int(name), 0) + int(count)
         sides.append(found)
-    both = sides[0] & sides[1]
-    anchor = min(both) if both else None
-    parts = tuple(sorted((sides[0] | sides[1]) - both))
+    both = {name: min(count, sides[1][name]) for name, count in sides[0].items() if name in sides[1]}
+    anchor = max(sorted(both), key=lambda name: both[name], default=None)
+    parts = tuple(sorted((set(sides[0]) | set(sides[1])) - set(both) - fasteners))
     said = "no groove was found" if anchor is None else f"its groove is in {mockup.part_paths[anchor]!r}"
     return Retained(part, "circlip", parts, anchor, f"{said}; its name says circlip")
