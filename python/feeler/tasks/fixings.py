@@ -172,7 +172,7 @@ class Fixings:
         head = row.head_height if math.isfinite(row.head_height) else 0.0
         if thread and math.isfinite(row.length):
             # It is turned until its end is out of the thread, also where it stands out behind.
-            return row.size, min(self._rim(row, thread[0]), -head) + head + row.length
+            return row.size, min(self._rim(row, thread[-1]), -head) + head + row.length
         return row.size, row.length
 
     def _rim(self, row: Fastener, thread: Passed) -> float:

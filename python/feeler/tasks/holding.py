@@ -18,7 +18,7 @@ from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.passing import Passed, in_bore, passed_by, under
-from feeler.tasks.retainers import clasped, retained
+from feeler.tasks.retainers import Retained, clasped, retained
 
 Floats = npt.NDArray[np.float64]
 
@@ -128,11 +128,12 @@ def holds(
         if beyond:
             raise OptionError(f"fasteners has {beyond[0]!r}, which is not in this mock-up: give fasteners of this one")
     given = _given(scene.mockup, table)
-    found = _Holding(scene, [row for row in fasteners if scene.part_mask[row.part]]).rows()
+    present = [row for row in fasteners if scene.part_mask[row.part]]
     if progress is not None:
-        progress(0.9, "looking at circlips and pins")
-    kept = {row.fastener: row for row in found}
-    for each in retained(scene, list(kept)):
+        progress(0.8, "looking at circlips and pins")
+    by_name = retained(scene, [row.part for row in present])
+    kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
+    for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for part, parts in given.items():
         was = kept.get(part)
@@ -191,10 +192,13 @@ def _row(
 class _Holding:
     """Looks at all fasteners of a scene."""
 
-    def __init__(self, scene: Scene, rows: list[Fastener]) -> None:
+    def __init__(self, scene: Scene, rows: list[Fastener], retainers: list[Retained]) -> None:
         self.mockup, self.fasteners = scene.mockup, rows
+        circlips = [each for each in retainers if each.kind == "circlip"]
+        self.circlip_on = {each.anchor: each.part for each in circlips if each.anchor is not None}
         mask = scene.part_mask.copy()
         mask[[row.part for row in rows]] = False
+        mask[[each.part for each in circlips]] = False
         self.bare = scene.only(mask)
         self.meshes = PartMeshes(scene.mockup)
         self.sizes = np.diff(scene.mockup.part_bounds.reshape(-1, 2, 3), axis=1)[:, 0]
@@ -239,6 +243,10 @@ class _Holding:
         passed, washers = self._without_washers(row, self.passed[row.part])
         nuts = self.nuts[row.part]
         mates = tuple(nut.part for nut in nuts)
+        if row.part in self.circlip_on and not nuts:
+            return self._held(
+                row, passed, washers, None, (), f"{self._name(self.circlip_on[row.part])} is in its groove"
+            )
         if nuts and row.kind != "stud":
             nut = max(nuts, key=lambda each: self._middle(row, each))
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
@@ -256,7 +264,7 @@ class _Holding:
                 passed = [Passed(part, 0.0, 0.0, 0.0) for part in under(self.bare, row, 0.2 * row.size)]
                 said = f"its shank is not drawn; its head lies on {self._names(passed)}"
             return self._held(row, passed, washers, None, (), said)
-        clamped = [each for each in passed if each.top > anchor.top and each is not anchor]
+        clamped = [each for each in passed if each.top > anchor.top and each.part != anchor.part]
         how = "without a hole for it" if anchor.radius == 0.0 else "as wide as its thread"
         return self._held(row, clamped, washers, anchor.part, (), f"its thread is in {self._name(anchor.part)}, {how}")
 
@@ -275,10 +283,14 @@ class _Holding:
         if is_upward:
             # From this nut down to the thread of the stud, or to the nut at its other end.
             end = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top])
-            clamped = [each for each in passed if end < 0.5 * (each.top + each.bottom) < height and each is not anchor]
+            clamped = [
+                each for each in passed if end < 0.5 * (each.top + each.bottom) < height and each.part != _part(anchor)
+            ]
         else:
             end = min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
-            clamped = [each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each is not anchor]
+            clamped = [
+                each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each.part != _part(anchor)
+            ]
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
 
     def _is_upward(self, shank: Fastener, nut: Fastener, passed: list[Passed]) -> bool:
@@ -294,7 +306,7 @@ class _Holding:
         inside = in_bore(self.bare, nut)
         threads = [each for each in inside if each.radius >= THREADED * 0.5 * nut.size]
         anchor = min(threads, key=lambda each: each.bottom, default=None)
-        held = [each for each in inside if each is not anchor]
+        held = [each for each in inside if each.part != _part(anchor)]
         if not held:
             below = [part for part in under(self.bare, nut, 0.1 * nut.size) if part != _part(anchor)]
             held = [Passed(part, 0.0, 0.0, 0.0) for part in below]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,8 @@ from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+_Level = tuple[float, float, float]
+"""A height, and the greatest and least distance of a part from the axis there."""
 
 _AROUND = 12  # rays around the axis
 LEVELS = 32  # heights along it
@@ -42,7 +45,7 @@ class Passed:
 
 
 def passed_by(scene: Scene, rows: Sequence[Fastener]) -> Iterator[list[Passed]]:
-    """The parts that each shank passes through, the one nearest to the head first.
+    """The parts that each shank passes through, the one nearest to the head first; a fork once for each leg.
 
     scene: without the fasteners.
     """
@@ -93,8 +96,9 @@ def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
 
 
 def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
-    """The parts that at least half of the rays of a level hit. parts, far: (levels, rays)."""
-    seen: dict[int, list[tuple[float, float, float]]] = {}
+    """The parts that at least half of the rays of a level hit, the topmost first; those that another part divides more
+    than once. parts, far: (levels, rays)."""
+    seen: dict[int, list[_Level]] = {}
     for level, own, distances in zip(levels.tolist(), parts, far, strict=True):
         names, counts = np.unique(own[own >= 0], return_counts=True)
         if len(names) and counts.max() >= _MOST * len(own):
@@ -102,11 +106,23 @@ def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
             seen.setdefault(part, []).append(
                 (level, float(distances[own == part].max()), float(distances[own == part].min()))
             )
+    ends = {part: (rows[0][0], rows[-1][0]) for part, rows in seen.items()}
     found = []
     for part, rows in seen.items():
-        heights, largest, least = zip(*rows, strict=True)
-        found.append(Passed(part, heights[0], heights[-1], float(np.median(largest)), float(np.median(least))))
-    return found
+        for run in _runs(rows, [span for other, span in ends.items() if other != part]):
+            heights, largest, least = zip(*run, strict=True)
+            found.append(Passed(part, heights[0], heights[-1], float(np.median(largest)), float(np.median(least))))
+    return sorted(found, key=lambda each: -each.top)
+
+
+def _runs(rows: list[_Level], others: list[tuple[float, float]]) -> list[list[_Level]]:
+    """The levels of a part, divided where another part is between two of them as a whole: the legs of a fork."""
+    runs = [rows[:1]]
+    for above, row in itertools.pairwise(rows):
+        if any(above[0] > top and bottom > row[0] for top, bottom in others):
+            runs.append([])
+        runs[-1].append(row)
+    return runs
 
 
 def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Floats:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Rays
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
@@ -23,8 +24,13 @@ CLASP_M = 5e-4
 """What clamps and clips hold may have this gap: rubber is often not drawn."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
-_AROUND, _RADII = 24, 12  # rays around a circlip, on each side, and at how many distances from its axis
+_AROUND = 24  # rays around a circlip, on each side
+_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)  # where across it they begin
 _LEAST = 0.2  # the share of them that hit a part that leans on it
+_GROOVE = 0.5  # the share of rays across it that hit the floor of its groove
+_DEPTHS = (0.1, 0.5, 0.9)  # where its walls are looked for, from the middle of the ring to the floor
+_WALL = 4.0  # how far away they are at most, in halves of its thickness
+_FAR = (0.0, 1.0, 4.0)  # how much farther than they touch parts are looked for, in halves of its thickness
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     bare = _without(scene, [*taken, *circlips, *pins])
     rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
-        parts = tuple(each.part for each in passed)
+        parts = tuple(dict.fromkeys(each.part for each in passed))
         how = "it is in no part" if not parts else "it goes through them"
         rows.append(Retained(rod.part, "pin", parts, None, f"{how}; its name says pin"))
     return rows
@@ -107,7 +113,7 @@ def _ring(vertices: Floats) -> tuple[Floats, float, float]:
 
 
 def _centre(points: Floats) -> Floats:
-    """The middle of the circle that the inner or the outer edge of a ring is on, whichever is rounder. points: (n, 2)."""
+    """The middle of the circle of the inner or the outer edge of a ring, whichever is rounder. points: (n, 2)."""
     best, least = _circle(points)[:2]
     radii = np.hypot(*(points - best).T)
     for is_edge in (radii < np.median(radii), radii >= np.median(radii)):
@@ -133,25 +139,71 @@ def _circle(points: Floats) -> tuple[Floats, float, Floats]:
 
 
 def _circlip(scene: Scene, part: int, vertices: Floats, fasteners: set[int]) -> Retained:
-    """What leans on one side of a ring; what is on both sides has its groove."""
+    """What leans on a ring, and what has its groove."""
     mockup = scene.mockup
     frame, inner, outer = _ring(vertices)
     axis, middle = frame[:3, 2], frame[:3, 3]
     half = float(np.abs((vertices - middle) @ axis).max())
     turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
     ring = np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
-    sides: list[dict[int, int]] = []
-    for way in (axis, -axis):
-        found: dict[int, int] = {}
-        for radius in np.linspace(inner, outer, _RADII + 2)[1:-1]:
-            hits = scene.rays(middle + radius * ring, np.broadcast_to(way, (_AROUND, 3)), within=half + TOUCH_M)
-            names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
-            for name, count in zip(names.tolist(), counts.tolist(), strict=True):
-                if count >= _LEAST * _AROUND:
-                    found[int(name)] = found.get(int(name), 0) + int(count)
-        sides.append(found)
-    both = {name: min(count, sides[1][name]) for name, count in sides[0].items() if name in sides[1]}
-    anchor = max(sorted(both), key=lambda name: both[name], default=None)
-    parts = tuple(sorted((set(sides[0]) | set(sides[1])) - set(both) - fasteners))
+    rim = middle + (inner + np.array(_SHARES)[:, None, None] * (outer - inner)) * ring
+    anchor = _groove(scene, frame, ring, (inner, outer), half)
+    parts: tuple[int, ...] = ()
+    for far in _FAR:  # it may have play
+        sides = [_leaning(scene, rim, way, half + TOUCH_M + far * half) for way in (axis, -axis)]
+        if anchor is None:
+            both = {name: min(count, sides[1][name]) for name, count in sides[0].items() if name in sides[1]}
+            anchor = max(sorted(both), key=lambda name: both[name], default=None)
+        parts = tuple(sorted((set(sides[0]) ^ set(sides[1])) - {anchor} - fasteners))
+        if parts:
+            break
     said = "no groove was found" if anchor is None else f"its groove is in {mockup.part_paths[anchor]!r}"
     return Retained(part, "circlip", parts, anchor, f"{said}; its name says circlip")
+
+
+def _leaning(scene: Scene, rim: Floats, way: Floats, within: float) -> dict[int, int]:
+    """The parts on one side of a ring, and how many rays hit each. rim: (k, n, 3), circles of origins."""
+    found: dict[int, int] = {}
+    for origins in rim:
+        for name, count in _counts(scene.rays(origins, np.broadcast_to(way, origins.shape), within=within)):
+            if count >= _LEAST * len(origins):
+                found[name] = found.get(name, 0) + count
+    return found
+
+
+def _groove(scene: Scene, frame: Floats, ring: Floats, radii: tuple[float, float], half: float) -> int | None:
+    """The part with a groove at a ring: inside or outside of it, and on both sides of it, or as a step on one.
+
+    ring: (n, 3).
+    """
+    middle = 0.5 * (radii[0] + radii[1])
+    best, least = None, (0, np.inf)
+    for way in (-1.0, 1.0):
+        floor = scene.rays(frame[:3, 3] + middle * ring, way * ring, within=2.0 * middle)
+        for name, count in _counts(floor):
+            own = np.asarray(floor.parts) == name
+            depth = np.asarray(floor.distances)[own]
+            gap = abs(float(np.median(depth)) - 0.5 * (radii[1] - radii[0]))
+            if count < _GROOVE * len(ring):
+                continue
+            alone = scene.only([name])
+            origins = [frame[:3, 3] + (middle + way * share * depth)[:, None] * ring[own] for share in _DEPTHS]
+            walls = sum(_is_wall(alone, origins, side * frame[:3, 2], _WALL * half) for side in (-1.0, 1.0))
+            if walls and (-walls, gap) < least:
+                best, least = name, (-walls, gap)
+    return best
+
+
+def _is_wall(scene: Scene, origins: list[Floats], way: Floats, within: float) -> bool:
+    """Whether rays from one of some circles hit something."""
+    for circle in origins:
+        hits = scene.rays(circle, np.broadcast_to(way, circle.shape), within=within)
+        if np.mean(np.asarray(hits.triangles) >= 0) >= _LEAST:
+            return True
+    return False
+
+
+def _counts(hits: Rays) -> list[tuple[int, int]]:
+    """The parts that rays hit, and how many hit each."""
+    names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+    return list(zip(names.tolist(), counts.tolist(), strict=True))
