@@ -17,7 +17,7 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.tasks.passing import Passed, in_bore, passed_by, under
+from feeler.tasks.passing import Passed, borne, in_bore, passed_by, under
 from feeler.tasks.retainers import Retained, clasped, retained
 
 Floats = npt.NDArray[np.float64]
@@ -32,6 +32,9 @@ ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
 SHORT = 0.5
 """Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
+WASHER_GAP = 0.03
+"""How far washers may be from each other and from their head, in diameters."""
+OUTER_DRIVES = ("hexagon", "square", "12-point")
 WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
 
@@ -251,6 +254,7 @@ class _Holding:
             nut = max(nuts, key=lambda each: self._middle(row, each))
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
             clamped = [each for each in passed if 0.5 * (each.top + each.bottom) > height]
+            clamped += self._borne(row, washers) + self._borne(nut, washers)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
         anchor = self._anchor(row, passed)
         if row.kind == "stud":
@@ -263,8 +267,9 @@ class _Holding:
             if not passed and not washers and row.length < SHORT * row.size:
                 passed = [Passed(part, 0.0, 0.0, 0.0) for part in under(self.bare, row, 0.2 * row.size)]
                 said = f"its shank is not drawn; its head lies on {self._names(passed)}"
-            return self._held(row, passed, washers, None, (), said)
-        clamped = [each for each in passed if each.top > anchor.top and each.part != anchor.part]
+            return self._held(row, passed + self._borne(row, washers), washers, None, (), said)
+        clamped = [each for each in passed if each.top > anchor.top] + self._borne(row, washers)
+        clamped = [each for each in clamped if each.part != anchor.part]
         how = "without a hole for it" if anchor.radius == 0.0 else "as wide as its thread"
         return self._held(row, clamped, washers, anchor.part, (), f"its thread is in {self._name(anchor.part)}, {how}")
 
@@ -292,6 +297,26 @@ class _Holding:
                 each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each.part != _part(anchor)
             ]
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
+
+    def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
+        """What a head or a nut bears on, through its washers, also beside the shank."""
+        height = row.length if row.kind == "nut" else row.head_height
+        if not np.isfinite(height) or not height > 0.0:
+            return []
+        below, wide = -height, self._width(row)
+        for each in washers:
+            local = (self.meshes.mesh(each)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+            if abs(float(local[:, 2].max()) - below) <= WASHER_GAP * row.size:
+                below, wide = float(local[:, 2].min()), 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+        parts = borne(self.bare, row, below, wide)
+        return [Passed(part, below, below, 0.0) for part in parts if part not in washers]
+
+    def _width(self, row: Fastener) -> float:
+        """The diameter of the bearing face of a head or a nut: within its flats."""
+        if row.drive in OUTER_DRIVES and np.isfinite(row.across_flats):
+            return float(row.across_flats)
+        local = (self.meshes.mesh(row.part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+        return 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
 
     def _is_upward(self, shank: Fastener, nut: Fastener, passed: list[Passed]) -> bool:
         """Whether a nut holds what is below it: its own axis says so only where there are parts on both sides."""

@@ -28,6 +28,10 @@ _BATCH = 1_000  # fasteners at a time
 _TIP = 0.95  # of the length of a shank: what is met beyond is not passed
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
+_SEAT = 0.02  # a head bears on what is this near, in diameters
+_SEATED = 36  # rays around its axis
+_SEAT_SHARES = (0.1, 0.35, 0.6, 0.8, 0.95)  # where they begin, between the shank and the edge of the head
+_SEAT_LEAST = 0.08  # the share of them that hit a part
 
 
 @dataclass(frozen=True)
@@ -86,9 +90,9 @@ def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     return found
 
 
-def _ring() -> Floats:
-    turn = (np.arange(_AROUND) + 0.37) * (2.0 * np.pi / _AROUND)
-    return np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1)
+def _ring(count: int = _AROUND) -> Floats:
+    turn = (np.arange(count) + 0.37) * (2.0 * np.pi / count)
+    return np.stack([np.cos(turn), np.sin(turn), np.zeros(count)], axis=1)
 
 
 def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
@@ -200,3 +204,24 @@ def under(scene: Scene, row: Fastener, within: float) -> list[int]:
     hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=within)
     names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
     return [int(name) for name, count in zip(names, counts, strict=True) if count >= _MOST * _AROUND]
+
+
+def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
+    """The parts that a head, a nut or its washers bear on at a height, beside its shank too.
+
+    scene: without the fasteners; below: the height of the bearing face in the frame of the fastener; wide: its
+    diameter, metres.
+    """
+    if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
+        return []
+    play, ring = _SEAT * row.size, _ring(_SEATED) @ row.frame[:3, :3].T
+    found: dict[int, int] = {}
+    for share in _SEAT_SHARES:
+        radius = 0.5 * (row.size + share * (wide - row.size))
+        origins = row.frame[:3, 3] + (below + play) * row.axis + radius * ring
+        hits = scene.rays(origins, np.broadcast_to(-row.axis, origins.shape), within=2.0 * play)
+        names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+        for name, count in zip(names.tolist(), counts.tolist(), strict=True):
+            if count >= _SEAT_LEAST * _SEATED:
+                found[int(name)] = max(found.get(int(name), 0), int(count))
+    return sorted(found, key=lambda name: (-found[name], name))
