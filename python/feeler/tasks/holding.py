@@ -18,7 +18,7 @@ from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.passing import Passed, borne, in_bore, passed_by, under
-from feeler.tasks.retainers import Retained, clasped, retained
+from feeler.tasks.retainers import Retained, clasped, clips, retained
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,6 +32,8 @@ ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
 SHORT = 0.5
 """Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
+AT_FITTING_M = 0.005
+"""Nuts and clamps this near to a fitting hold the pipe on it, metres."""
 WASHER_GAP = 0.03
 """How far washers may be from each other and from their head, in diameters."""
 OUTER_DRIVES = ("hexagon", "square", "12-point")
@@ -47,7 +49,8 @@ class Hold:
     """Its part, an index into `mockup.parts`."""
     path: str
     kind: str
-    """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip" or "pin"; "given" if a table says so."""
+    """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
+    table says so."""
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
@@ -138,6 +141,11 @@ def holds(
     kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
     for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+    held = {part for row in kept.values() for part in row.parts}
+    for each in clips(scene, held, set(kept)):
+        kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+    for row in [each for each in kept.values() if each.kind == "fitting"]:
+        kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
     for part, parts in given.items():
         was = kept.get(part)
         said = "the table says so"
@@ -149,6 +157,19 @@ def holds(
     if progress is not None:
         progress(1.0, "done")
     return Holds(kept.values())
+
+
+def _without_nuts(mockup: Mockup, fitting: Hold, rows: Iterable[Hold]) -> Hold:
+    """A fitting without the pipes that a nut or a clamp holds on it: these come off without it."""
+    bounds = mockup.part_bounds.reshape(-1, 2, 3)
+    low, high = bounds[fitting.fastener] + np.array([[-AT_FITTING_M], [AT_FITTING_M]])
+    others: set[int] = set()
+    for row in rows:
+        own = bounds[row.fastener]
+        if row is not fitting and (own[0] <= high).all() and (low <= own[1]).all():
+            others.update(row.parts)
+    parts = tuple(each for each in fitting.parts if each == fitting.fastener or each not in others)
+    return replace(fitting, parts=parts, paths=tuple(mockup.part_paths[each] for each in parts))
 
 
 def _given(mockup: Mockup, table: Mapping[int | str, PartsLike | None] | None) -> dict[int, tuple[int, ...]]:

@@ -1,4 +1,5 @@
-"""Circlips, pins, clamps and clips: what holds parts without a thread. They are known by their names."""
+"""Circlips, pins, clamps, clips and fittings of pipes: what holds parts without a head or a nut. They are known by
+their names."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ import numpy.typing as npt
 from feeler._core import Rays
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
-from feeler.plan.fastener_names import retainer_said
+from feeler.plan.fastener_names import is_pipe, retainer_said
+from feeler.plan.fastener_shape import rod_of
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
 from feeler.tasks.passing import passed_by
@@ -35,7 +37,7 @@ _FAR = (0.0, 1.0, 4.0)  # how much farther than they touch parts are looked for,
 
 @dataclass(frozen=True)
 class Retained:
-    """What a circlip or a pin holds."""
+    """What a circlip, a pin, a fitting or a clip holds."""
 
     part: int
     kind: str
@@ -55,7 +57,7 @@ def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
 
 
 def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
-    """What the circlips and pins of a scene hold. but: parts that are known as other fasteners."""
+    """What the circlips, pins and fittings of a scene hold. but: parts that are known as other fasteners."""
     mockup, taken = scene.mockup, set(but)
     bounds = mockup.part_bounds.reshape(-1, 2, 3)
     sides = bounds[:, 1] - bounds[:, 0]
@@ -69,12 +71,57 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     # Grooves are also in pins and bolts.
     around = _without(scene, circlips)
     rows = [_circlip(around, part, meshes.mesh(part)[0], taken) for part in circlips]
+    fittings = [part for part in some if said[part] == "fitting"]
     bare = _without(scene, [*taken, *circlips, *pins])
+    rows += _fittings(_without(scene, [*taken, *circlips, *pins, *fittings]), fittings, meshes)
     rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
         parts = tuple(dict.fromkeys(each.part for each in passed))
         how = "it is in no part" if not parts else "it goes through them"
         rows.append(Retained(rod.part, "pin", parts, None, f"{how}; its name says pin"))
+    return rows
+
+
+def clips(scene: Scene, held: set[int], but: set[int]) -> list[Retained]:
+    """What clamps and clips hold that no fastener holds: they spring, or have their screw in them.
+
+    held: all that fasteners hold; but: the fasteners.
+    """
+    mockup, rows = scene.mockup, []
+    bare = _without(scene, but)
+    for part in np.flatnonzero(scene.part_mask).tolist():
+        if part in held or part in but or retainer_said(mockup.part_names[part]) != "clasp":
+            continue
+        parts = tuple(clasped(bare, [part], set()))
+        if parts:
+            rows.append(
+                Retained(part, "clip", parts, None, "it clamps them; no fastener holds it, its name says clamp")
+            )
+    return rows
+
+
+def _fittings(scene: Scene, parts: list[int], meshes: PartMeshes) -> list[Retained]:
+    """What fittings hold: what is clamped under them, and pipes at them; themselves in what their thread is in."""
+    mockup, rods = scene.mockup, []
+    for part in parts:
+        looks = rod_of(*meshes.mesh(part))
+        if looks is not None:
+            local = (meshes.mesh(part)[0] - looks.top) @ framed(looks.top, looks.axis)[:3, :3]
+            size = 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+            frame = framed(looks.top, looks.axis)
+            path = mockup.part_paths[part]
+            rods.append(Fastener(part, path, "stud", frame, size, np.nan, looks.length, np.nan, 1.0, ""))
+    rows = []
+    for rod, passed in zip(rods, passed_by(scene, rods), strict=True):
+        around = [each for each in passed if each.radius > 0.0]
+        pipes = {each.part for each in around if is_pipe(mockup.part_names[each.part])}
+        fixed = [each for each in around if each.part not in pipes]
+        if not fixed:
+            continue
+        anchor = min(fixed, key=lambda each: (each.radius, each.part)).part
+        held = dict.fromkeys(each.part for each in around if each.part != anchor)
+        said = f"its thread is in {mockup.part_paths[anchor]!r}; its name says fitting"
+        rows.append(Retained(rod.part, "fitting", (*held, rod.part) if held else (rod.part,), anchor, said))
     return rows
 
 
