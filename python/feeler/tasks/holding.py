@@ -34,6 +34,8 @@ SHORT = 0.5
 """Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
 AT_FITTING_M = 0.005
 """Nuts and clamps this near to a fitting hold the pipe on it, metres."""
+PLAY = 0.02
+"""What ends this near to the bearing face of a nut is on one side of it, in diameters."""
 WASHER_GAP = 0.03
 """How far washers may be from each other and from their head, in diameters."""
 OUTER_DRIVES = ("hexagon", "square", "12-point")
@@ -265,20 +267,20 @@ class _Holding:
 
     def _of_shank(self, row: Fastener) -> Hold:
         passed, washers = self._without_washers(row, self.passed[row.part])
-        nuts = self.nuts[row.part]
+        nuts, is_stud = self.nuts[row.part], _is_stud(row)
         mates = tuple(nut.part for nut in nuts)
         if row.part in self.circlip_on and not nuts:
             return self._held(
                 row, passed, washers, None, (), f"{self._name(self.circlip_on[row.part])} is in its groove"
             )
-        if nuts and row.kind != "stud":
+        if nuts and not is_stud:
             nut = max(nuts, key=lambda each: self._middle(row, each))
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
-            clamped = [each for each in passed if 0.5 * (each.top + each.bottom) > height]
+            clamped = [each for each in passed if each.top > height + PLAY * row.size]
             clamped += self._borne(row, washers) + self._borne(nut, washers)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
         anchor = self._anchor(row, passed)
-        if row.kind == "stud":
+        if is_stud:
             said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
             if anchor is not None:
                 said = f"it is fastened in {self._name(anchor.part)}; {said}"
@@ -304,19 +306,19 @@ class _Holding:
             if each is not nut and self._is_upward(shank, each, passed) != is_upward
         ]
         mates = tuple(sorted([shank.part, *(each.part for each in others)]))
-        anchor = self._anchor(shank, passed) if shank.kind == "stud" else None
+        anchor = self._anchor(shank, passed) if _is_stud(shank) else None
         beyond = [self._bearing(shank, each) for each in others]
         if is_upward:
             # From this nut down to the thread of the stud, or to the nut at its other end.
-            end = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top])
-            clamped = [
-                each for each in passed if end < 0.5 * (each.top + each.bottom) < height and each.part != _part(anchor)
-            ]
+            low, high = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top]), height
         else:
-            end = min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
-            clamped = [
-                each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each.part != _part(anchor)
-            ]
+            low, high = height, min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
+        play = PLAY * shank.size
+        clamped = [each for each in passed if each.top > low + play and each.bottom < high - play]
+        clamped += self._borne(nut, washers)
+        if not _is_stud(shank):
+            clamped += self._borne(shank, washers)
+        clamped = [each for each in clamped if each.part != _part(anchor)]
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
 
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
@@ -421,12 +423,17 @@ def _part(passed: Passed | None) -> int | None:
     return None if passed is None else passed.part
 
 
+def _is_stud(row: Fastener) -> bool:
+    """Whether it has no head: a wheel stud is a bolt."""
+    return row.kind == "stud" and not _finite(row.head_height) > 0.0
+
+
 def _finite(value: float) -> float:
     return value if np.isfinite(value) else 0.0
 
 
 def _head(row: Fastener) -> float:
-    return _finite(row.head_height) if row.kind in ("bolt", "screw") else 0.0
+    return _finite(row.head_height)
 
 
 def _share(progress: Progress, share: float) -> Progress:

@@ -23,9 +23,10 @@ LEVELS = 32  # heights along it
 _LAYERS = 24  # the most layers that are entered or left below a head
 _BESIDE = (0.6, 0.68)  # distances from the axis, in diameters, where layers are looked for: beside holes, under heads
 _REACH = 0.8  # in diameters: holes are narrower
-_MOST = 0.5  # the share of rays that hit a part that is around the axis
+_MOST = 0.58  # the share of rays that hit a part around the axis; two walls that meet in a corner beside it are half
 _BATCH = 1_000  # fasteners at a time
 _TIP = 0.95  # of the length of a shank: what is met beyond is not passed
+_ABOVE = 1e-3  # of the length of a shank: rays along it begin above its top
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
 _SEAT = 0.02  # a head bears on what is this near, in diameters
@@ -59,7 +60,7 @@ def passed_by(scene: Scene, rows: Sequence[Fastener]) -> Iterator[list[Passed]]:
 
 def _span(row: Fastener) -> tuple[float, float]:
     """Top and bottom of the shank, in its frame."""
-    head = row.head_height if row.kind in ("bolt", "screw") and np.isfinite(row.head_height) else 0.0
+    head = row.head_height if np.isfinite(row.head_height) else 0.0
     length = row.length if np.isfinite(row.length) else 0.0
     return -head, -head - length
 
@@ -143,10 +144,14 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
     return np.concatenate(columns, axis=1)
 
 
-def _through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tuple[Floats, Ints]:
-    """All that rays meet up to their lengths: distances and parts, (n, `_LAYERS`), infinite and -1 beyond the last."""
+def _through(
+    scene: Scene, origins: Floats, ways: Floats, lengths: Floats
+) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
+    """All that rays meet up to their lengths: distances, parts and whether they enter them, (n, `_LAYERS`); infinite
+    and -1 beyond the last."""
     far = np.full((len(origins), _LAYERS), np.inf)
     parts = np.full((len(origins), _LAYERS), -1, dtype=np.int64)
+    enters = np.zeros((len(origins), _LAYERS), dtype=bool)
     gone = np.zeros(len(origins))
     left = np.arange(len(origins))
     for n in range(_LAYERS):
@@ -159,24 +164,38 @@ def _through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tu
         is_hit = (np.asarray(hits.triangles) >= 0) & (gone[left] <= lengths[left])
         left, owners = left[is_hit], np.asarray(hits.parts, dtype=np.int64)[is_hit]
         far[left, n], parts[left, n] = gone[left], owners
+        enters[left, n] = _against(scene, np.asarray(hits.triangles)[is_hit], ways[left])
         gone[left] += _STEP
-    return far, parts
+    return far, parts, enters
+
+
+def _against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool_]:
+    """Whether the normals of triangles are against some directions."""
+    corners = scene.mockup.vertices[scene.mockup.faces[triangles]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(np.einsum("ij,ij->i", normals, ways) < 0.0)
 
 
 def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     """The parts whose material is in the axis: drawn without a hole, or plates that the shank crosses."""
-    far, parts = _through(
-        scene, frames[:, :3, 3] + spans[:, :1] * frames[:, :3, 2], -frames[:, :3, 2], spans[:, 0] - spans[:, 1]
-    )
+    lengths = spans[:, 0] - spans[:, 1]
+    above = _ABOVE * lengths  # the end of the shank may be in the face of a part
+    origins = frames[:, :3, 3] + (spans[:, :1] + above[:, None]) * frames[:, :3, 2]
+    far, parts, enters = _through(scene, origins, -frames[:, :3, 2], lengths + above)
     found: list[list[Passed]] = []
     for n in range(len(frames)):
-        own: dict[int, list[float]] = {}
-        for distance, part in zip(far[n].tolist(), parts[n].tolist(), strict=True):
+        own: dict[int, list[tuple[float, bool]]] = {}
+        for distance, part, is_entry in zip((far[n] - above[n]).tolist(), parts[n], enters[n].tolist(), strict=True):
             if part >= 0:
-                own.setdefault(part, []).append(distance)
+                own.setdefault(int(part), []).append((distance, is_entry))
         # What is met at the tip alone is the bottom of a blind hole, or a part that the tip touches.
-        top, tip = spans[n, 0], _TIP * (spans[n, 0] - spans[n, 1])
-        found.append([Passed(part, top - min(at), top - max(at), 0.0) for part, at in own.items() if min(at) < tip])
+        top, tip = spans[n, 0], _TIP * lengths[n]
+        found.append([])
+        for part, at in own.items():
+            (first, begins), (last, enters_last) = at[0], at[-1]
+            if first < tip:
+                end = lengths[n] if begins and enters_last else last  # the tip is in it
+                found[-1].append(Passed(part, top - max(first, 0.0), top - end, 0.0))
     return found
 
 
