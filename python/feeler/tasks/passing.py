@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Rays
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
 
@@ -176,6 +177,34 @@ def _against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool
     return np.asarray(np.einsum("ij,ij->i", normals, ways) < 0.0)
 
 
+class _Windings:
+    """Looks at single parts along shanks."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._meshes = scene, PartMeshes(scene.mockup)
+        self._turned: dict[int, bool] = {}
+
+    def is_inside_out(self, part: int) -> bool:
+        """Whether the triangles of a part face inwards."""
+        if part not in self._turned:
+            vertices, faces = self._meshes.mesh(part)
+            corners = (vertices - vertices.mean(axis=0))[faces]
+            volume = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+            self._turned[part] = bool(volume < 0.0)
+        return self._turned[part]
+
+    def begin(self, part: int, origin: Floats, way: Floats, within: float) -> float:
+        """How far from a point a part begins along a ray, metres; 0 if the point is in it.
+
+        Where faces are flush, rays that go on behind each hit see one part alone.
+        """
+        hits = self._scene.only([part]).rays(origin[None], way[None], within=within)
+        if int(np.asarray(hits.triangles)[0]) < 0:
+            return 0.0
+        enters = bool(_against(self._scene, np.asarray(hits.triangles), way[None])[0])
+        return float(np.asarray(hits.distances)[0]) if enters != self.is_inside_out(part) else 0.0
+
+
 def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     """The parts whose material is in the axis: drawn without a hole, or plates that the shank crosses."""
     lengths = spans[:, 0] - spans[:, 1]
@@ -183,6 +212,7 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     origins = frames[:, :3, 3] + (spans[:, :1] + above[:, None]) * frames[:, :3, 2]
     far, parts, enters = _through(scene, origins, -frames[:, :3, 2], lengths + above)
     found: list[list[Passed]] = []
+    windings = _Windings(scene)
     for n in range(len(frames)):
         own: dict[int, list[tuple[float, bool]]] = {}
         for distance, part, is_entry in zip((far[n] - above[n]).tolist(), parts[n], enters[n].tolist(), strict=True):
@@ -192,10 +222,17 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
         top, tip = spans[n, 0], _TIP * lengths[n]
         found.append([])
         for part, at in own.items():
-            (first, begins), (last, enters_last) = at[0], at[-1]
-            if first < tip:
-                end = lengths[n] if begins and enters_last else last  # the tip is in it
-                found[-1].append(Passed(part, top - max(first, 0.0), top - end, 0.0))
+            (first, begins), (last, goes_on) = at[0], at[-1]
+            is_turned = windings.is_inside_out(part)
+            if first >= tip:
+                continue
+            down = -frames[n, :3, 2]
+            if begins == is_turned:
+                first = max(windings.begin(part, origins[n], down, first + above[n]) - above[n], 0.0)
+            if goes_on != is_turned:
+                foot = origins[n] + (above[n] + lengths[n]) * down
+                last = lengths[n] - windings.begin(part, foot, -down, lengths[n] - last)
+            found[-1].append(Passed(part, top - max(first, 0.0), top - last, 0.0))
     return found
 
 
