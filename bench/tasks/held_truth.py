@@ -61,7 +61,8 @@ class Rule:
         self.is_other = np.ones(mockup.part_count, dtype=bool)
         self.is_other[list(self.truth)] = False
         self.unclear: set[int] = set()
-        """Fasteners where parts are in each other: these samples place parts by chance."""
+        """Fasteners where parts are in each other, or whose thread is in two at one height: these samples place parts by
+        chance."""
         self.scene = feeler.Scene(mockup)
         self.nuts = self._nuts()
 
@@ -108,6 +109,8 @@ class Rule:
         if not tight:
             return self._with_clamps({each.part for each in spans} | seats, set())
         anchor = min(tight, key=lambda each: each.bottom)
+        if sum(each.bottom < anchor.bottom + 2.0 * known.length / LEVELS for each in tight) > 1:
+            self.unclear.add(part)
         held = ({each.part for each in spans if each.top > anchor.top} | seats) - {anchor.part}
         return self._with_clamps(held, {anchor.part}) or {part}
 

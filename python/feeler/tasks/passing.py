@@ -28,6 +28,7 @@ _MOST = 0.58  # the share of rays that hit a part around the axis; two walls tha
 _BATCH = 1_000  # fasteners at a time
 _TIP = 0.95  # of the length of a shank: what is met beyond is not passed
 _ABOVE = 1e-3  # of the length of a shank: rays along it begin above its top
+_THIN = 0.01  # of the length of a shank
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
 _SEAT = 0.02  # a head bears on what is this near, in diameters
@@ -86,6 +87,9 @@ def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     parts[far > _REACH * sizes[:, None, None]] = -1
     found = [_around(parts[n], far[n], levels[n]) for n in range(len(rows))]
     for n, more in enumerate(_solid(scene, frames, spans)):
+        # Near to one height alone, rays may be in the face of a part without a hole.
+        solid, thin = {each.part for each in more}, _THIN * float(spans[n, 0] - spans[n, 1])
+        found[n] = [each for each in found[n] if each.top - each.bottom > thin or each.part not in solid]
         known = {each.part for each in found[n]}
         found[n] += [each for each in more if each.part not in known]
         found[n].sort(key=lambda each: -each.top)
