@@ -28,6 +28,8 @@ CORE = 0.93
 """The same of the core of a thread that is drawn as a helix."""
 THREADED = 0.84
 """Radius of what is in a nut over that of its bore: threads are at least as large."""
+TIP = 0.95
+"""A tip ends in a part that is around this much of the shank."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
 SHORT = 0.5
@@ -279,7 +281,7 @@ class _Holding:
             clamped = [each for each in passed if each.top > height + PLAY * row.size]
             clamped += self._borne(row, washers) + self._borne(nut, washers)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
-        anchor = self._anchor(row, passed)
+        anchor = self._anchor(row, passed) or self._around_tip(row, passed)
         if is_stud:
             said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
             if anchor is not None:
@@ -293,7 +295,8 @@ class _Holding:
             return self._held(row, passed + self._borne(row, washers), washers, None, (), said)
         clamped = [each for each in passed if each.top > anchor.top] + self._borne(row, washers)
         clamped = [each for each in clamped if each.part != anchor.part]
-        how = "without a hole for it" if anchor.radius == 0.0 else "as wide as its thread"
+        how = "as wide as its thread" if _is_tight(row, anchor) else "where its tip ends"
+        how = "without a hole for it" if anchor.radius == 0.0 else how
         return self._held(row, clamped, washers, anchor.part, (), f"its thread is in {self._name(anchor.part)}, {how}")
 
     def _of_nut(self, nut: Fastener, shank: Fastener) -> Hold:
@@ -396,9 +399,17 @@ class _Holding:
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
         """The deepest part that the shank is tight in."""
-        half = 0.5 * row.size
-        tight = [each for each in passed if each.radius <= TIGHT * half or each.least <= CORE * half]
+        tight = [each for each in passed if _is_tight(row, each)]
         return min(tight, key=lambda each: each.bottom, default=None)
+
+    def _around_tip(self, row: Fastener, passed: list[Passed]) -> Passed | None:
+        """The deepest part, if the tip ends in it, and others are above: the tip of a bolt with a nut stands out."""
+        deepest = min(passed, key=lambda each: each.bottom, default=None)
+        if deepest is None or not _finite(row.length) > 0.0:
+            return None
+        is_in = deepest.bottom <= -_head(row) - TIP * row.length
+        is_alone = all(each.part == deepest.part for each in passed)
+        return deepest if is_in and not is_alone else None
 
     @staticmethod
     def _middle(shank: Fastener, nut: Fastener) -> float:
@@ -421,6 +432,11 @@ class _Holding:
 
 def _part(passed: Passed | None) -> int | None:
     return None if passed is None else passed.part
+
+
+def _is_tight(row: Fastener, passed: Passed) -> bool:
+    """Whether a hole is a thread or a fit for a shank."""
+    return passed.radius <= TIGHT * 0.5 * row.size or passed.least <= CORE * 0.5 * row.size
 
 
 def _is_stud(row: Fastener) -> bool:
