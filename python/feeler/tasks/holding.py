@@ -17,8 +17,9 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.tasks.passing import Passed, borne, in_bore, passed_by, under
+from feeler.tasks.passing import Passed, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
+from feeler.tasks.threads import thread_size
 
 Floats = npt.NDArray[np.float64]
 
@@ -30,6 +31,10 @@ THREADED = 0.84
 """Radius of what is in a nut over that of its bore: threads are at least as large."""
 TIP = 0.95
 """A tip ends in a part that is around this much of the shank."""
+INSERT = 2.2
+"""The greatest radius of a threaded insert, in radii of the thread."""
+AROUND_INSERT = 1.2
+"""What an insert is in is around it within this many of its radii."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
 SHORT = 0.5
@@ -281,7 +286,14 @@ class _Holding:
             clamped = [each for each in passed if each.top > height + PLAY * row.size]
             clamped += self._borne(row, washers) + self._borne(nut, washers)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
-        anchor = self._anchor(row, passed) or self._around_tip(row, passed)
+        inserts = self._inserts(row, passed)
+        anchor = self._anchor(row, passed)
+        if anchor is None and inserts:
+            anchor = min((each for each in passed if each.part in inserts), key=lambda each: each.bottom)
+        if anchor is not None and anchor.part in inserts:
+            anchor = replace(anchor, part=inserts[anchor.part])
+        anchor = anchor or self._around_tip(row, passed)
+        passed = [each for each in passed if inserts.get(each.part) != _part(anchor) or anchor is None]
         if is_stud:
             said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
             if anchor is not None:
@@ -402,6 +414,25 @@ class _Holding:
         tight = [each for each in passed if _is_tight(row, each)]
         return min(tight, key=lambda each: each.bottom, default=None)
 
+    def _inserts(self, row: Fastener, passed: list[Passed]) -> dict[int, int]:
+        """The threaded inserts that a shank is in, and the part that each is in."""
+        radius = 0.5 * thread_size(row)
+        found = {}
+        for each in passed:
+            if each.radius == 0.0 or self.sizes[each.part].max() > 4.0 * INSERT * radius:
+                continue
+            local = (self.meshes.mesh(each.part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+            low, high = local.min(axis=0), local.max(axis=0)
+            middle = 0.5 * (low + high)
+            across = float(np.hypot(*(local - middle)[:, :2].T).max())
+            if across > INSERT * radius or high[2] - low[2] < WASHER_HEIGHT * radius:
+                continue
+            own = self.bare.without([each.part])
+            around = surrounding(own, row.frame[:3, :3] @ middle + row.frame[:3, 3], row.frame, AROUND_INSERT * across)
+            if around is not None:
+                found[each.part] = around
+        return found
+
     def _around_tip(self, row: Fastener, passed: list[Passed]) -> Passed | None:
         """The deepest part, if the tip ends in it, and others are above: the tip of a bolt with a nut stands out."""
         deepest = min(passed, key=lambda each: each.bottom, default=None)
@@ -436,7 +467,7 @@ def _part(passed: Passed | None) -> int | None:
 
 def _is_tight(row: Fastener, passed: Passed) -> bool:
     """Whether a hole is a thread or a fit for a shank."""
-    return passed.radius <= TIGHT * 0.5 * row.size or passed.least <= CORE * 0.5 * row.size
+    return passed.radius <= TIGHT * 0.5 * thread_size(row) or passed.least <= CORE * 0.5 * row.size
 
 
 def _is_stud(row: Fastener) -> bool:

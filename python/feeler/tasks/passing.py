@@ -13,6 +13,7 @@ from feeler._core import Rays
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
+from feeler.tasks.threads import thread_size
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -69,7 +70,7 @@ def _span(row: Fastener) -> tuple[float, float]:
 
 def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     spans = np.array([_span(row) for row in rows]).reshape(-1, 2)
-    sizes = np.array([row.size if np.isfinite(row.size) else 0.0 for row in rows])
+    sizes = np.array([thread_size(row) if np.isfinite(row.size) else 0.0 for row in rows])
     frames = np.array([row.frame for row in rows]).reshape(-1, 4, 4)
     levels = spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * ((np.arange(LEVELS) + 0.5) / LEVELS)
     levels = np.concatenate([levels, _layers(scene, frames, spans, sizes)], axis=1)
@@ -264,6 +265,16 @@ def under(scene: Scene, row: Fastener, within: float) -> list[int]:
     hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=within)
     names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
     return [int(name) for name, count in zip(names, counts, strict=True) if count >= _MOST * _AROUND]
+
+
+def surrounding(scene: Scene, point: Floats, frame: Floats, within: float) -> int | None:
+    """The part around a point, across the axis of a frame and no farther than `within`; None if there is none."""
+    ways = _ring() @ frame[:3, :3].T
+    hits = scene.rays(np.broadcast_to(point, ways.shape), ways, within=within)
+    names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+    if not len(names) or counts.max() < _MOST * _AROUND:
+        return None
+    return int(names[int(np.argmax(counts))])
 
 
 def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
