@@ -118,9 +118,12 @@ def test_a_plug_holds_itself() -> None:
 
 
 def test_a_bolt_in_clearance_holes_alone() -> None:
-    parts = {"bolt": bolt(0.02), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(CLEAR, -0.04, -0.01)}
+    parts = {"bolt": bolt(0.02), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(CLEAR, -0.015, -0.01)}
     row = only(feeler.holds(tilted(parts, 5)), "bolt")
     assert row.paths == ("cover", "case") and row.anchor is None and "neither" in row.because
+    deep = {**parts, "case": ring(CLEAR, -0.04, -0.01)}
+    row = only(feeler.holds(tilted(deep, 5)), "bolt")
+    assert row.paths == ("cover",) and row.anchor_path == "case" and "tip ends" in row.because
 
 
 def test_a_head_without_a_shank_holds_what_it_lies_on() -> None:
