@@ -346,8 +346,8 @@ class _Holding:
             local = (self.meshes.mesh(each)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
             if abs(float(local[:, 2].max()) - below) <= WASHER_GAP * row.size:
                 below, wide = float(local[:, 2].min()), 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
-        parts = borne(self.bare, row, below, wide)
-        return [Passed(part, below, below, 0.0) for part in parts if part not in washers]
+        parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)
+        return [Passed(part, below, below, 0.0) for part in parts]
 
     def _width(self, row: Fastener) -> float:
         """The diameter of the bearing face of a head or a nut: within its flats."""
