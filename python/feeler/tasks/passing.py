@@ -30,6 +30,7 @@ _BATCH = 1_000  # fasteners at a time
 _TIP = 0.95  # of the length of a shank: what is met beyond is not passed
 _ABOVE = 1e-3  # of the length of a shank: rays along it begin above its top
 _THIN = 0.01  # of the length of a shank
+_NARROW, _FEW = 0.2, 5  # a share of the heights of a hole, and the least number of them
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
 _SEAT = 0.02  # a head bears on what is this near, in diameters
@@ -47,7 +48,8 @@ class Passed:
     """Where it begins and ends along the axis, in the fastener's frame, metres; `top` is nearer to the head."""
     bottom: float
     radius: float
-    """The largest distance of its surface from the axis there, metres; 0: it is drawn without a hole."""
+    """The largest distance of its surface from the axis there, metres, where the hole is narrow; 0: it is drawn without
+    a hole."""
     least: float = 0.0
     """The least such distance."""
 
@@ -122,8 +124,13 @@ def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
     for part, rows in seen.items():
         for run in _runs(rows, [span for other, span in ends.items() if other != part]):
             heights, largest, least = zip(*run, strict=True)
-            found.append(Passed(part, heights[0], heights[-1], float(np.median(largest)), float(np.median(least))))
+            found.append(Passed(part, heights[0], heights[-1], _narrow(largest), float(np.median(least))))
     return sorted(found, key=lambda each: -each.top)
+
+
+def _narrow(radii: Sequence[float]) -> float:
+    """The radius of the narrower part of a hole: its thread may be behind a wider part."""
+    return sorted(radii)[int(_NARROW * len(radii))] if len(radii) >= _FEW else float(np.median(radii))
 
 
 def _runs(rows: list[_Level], others: list[tuple[float, float]]) -> list[list[_Level]]:
