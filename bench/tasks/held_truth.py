@@ -61,7 +61,7 @@ class Rule:
         self.is_other = np.ones(mockup.part_count, dtype=bool)
         self.is_other[list(self.truth)] = False
         self.unclear: set[int] = set()
-        """Fasteners where parts are in each other, or whose thread is in two at one height: these samples place parts by
+        """Fasteners where parts are in each other, or whose thread is in two at one height: parts are placed by
         chance."""
         self.scene = feeler.Scene(mockup)
         self.nuts = self._nuts()

@@ -21,8 +21,8 @@ WIDTH_SHARE = 0.03
 """How near a width must be."""
 SIZE_SHARE = (0.7, 1.3)
 """The diameter in the mesh, over that of the width, for the width to decide."""
-CORE_SHARE = (0.7, 1.0)
-"""The same for a shank that is drawn as the core of its thread."""
+CORE_SHARE = (0.7, 0.9)
+"""The same for a shank that is drawn as the core of its thread: 0.75 for M2, 0.9 for M64 in ISO 724."""
 
 
 def nominal(row: Fastener, size: float) -> float:
