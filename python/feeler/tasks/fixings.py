@@ -133,7 +133,7 @@ class Fixings:
         while anchor in self._held and anchor not in seen:
             seen.add(anchor)
             if self._held[anchor].kind != "stud":
-                return None
+                return None if anchor in hold.mates else anchor  # a fitting, or a pin with a circlip
             anchor = self._held[anchor].anchor
         return anchor
 
