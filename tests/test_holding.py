@@ -15,6 +15,8 @@ from feeler.plan.fastener_names import retainer_said
 from feeler.samples import hardware
 from feeler.samples import mesh as samples
 from feeler.samples.tessellation import Tolerance
+from feeler.tasks.fixings import Fixings
+from feeler.tasks.times import Arithmetic
 
 Floats = npt.NDArray[np.float64]
 
@@ -234,6 +236,10 @@ def test_the_gearbox_knows_what_its_fasteners_hold(seed: int) -> None:
     triangles = {1: 100_000, 6: 150_000}[seed]
     mockup, truth = feeler.sample("gearbox", triangles, seed), feeler.sample_truth("gearbox", triangles, seed)
     found = feeler.holds(mockup)
+    fixings = Fixings(feeler.Scene(mockup), feeler.Fasteners([]), found, Arithmetic(feeler.Times()))
+    fittings = {row.fastener for row in found if row.kind == "fitting"}
+    unions = [row for row in found if row.kind == "nut" and row.anchor in fittings]
+    assert unions and all(row.anchor in fixings.joins(row.fastener) for row in unions)
     for fastener in truth.fasteners:
         row = only(found, fastener.path)
         washers = tuple(mockup.part_paths[part] for part in row.washers)
