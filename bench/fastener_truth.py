@@ -32,6 +32,8 @@ class Truth:
     size: float
     poses: npt.NDArray[np.float64]
     """(4, 4): of the shape's own frame, as its maker in `hardware` says."""
+    length: float = 0.0
+    """From under the head to the tip; 0 for nuts."""
 
 
 def sample_and_truth(name: str, triangles: int, seed: int = 0) -> tuple[feeler.Mockup, dict[str, Truth]]:
@@ -54,7 +56,8 @@ def sample_and_truth(name: str, triangles: int, seed: int = 0) -> tuple[feeler.M
         make, arguments = made[id(item.shape)]
         if make in KINDS:
             for path, pose in zip(item.names(len(item.poses)), item.poses, strict=True):
-                truth[f"{plan.root}/{path}"] = Truth(KINDS[make], float(arguments[0]), pose)
+                length = float(arguments[1]) if make is not hardware.nut else 0.0
+                truth[f"{plan.root}/{path}"] = Truth(KINDS[make], float(arguments[0]), pose, length)
     return mockup, truth
 
 

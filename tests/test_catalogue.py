@@ -13,7 +13,8 @@ from shapes import box, mockup_of
 
 import feeler
 from feeler.plan.catalogue import built_in_text, core_of, shaped, tool_of
-from feeler.plan.choosing import room_of
+from feeler.plan.choosing import Chosen, room_of
+from feeler.plan.reach_question import SeatSearch
 from feeler.plan.swings import turned
 from feeler.plan.tool_solids import disc, lathed, prism
 
@@ -358,3 +359,25 @@ def test_the_users_file_is_read(tmp_path: Path) -> None:
             feeler.catalogue(own)
     with pytest.raises(feeler.MissingFileError, match="write-catalogue"):
         feeler.catalogue(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize(
+    ("drive", "widths_mm"),
+    [
+        ("hexagon socket", (0.7, 0.9, 1.3, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10, 12, 14, 17, 19, 22, 24, 27, 32, 36, 41, 46)),
+        ("hexagon", (3.2, 4, 5, 5.5, 6, 7, 8, 10, 13, 16, 17, 18, 19, 21, 22, 24, 27, 30, 32, 34, 36, 41, 46, 50, 55)),
+    ],
+)
+def test_the_built_in_one_has_a_tool_for_each_standard_width(drive: str, widths_mm: tuple[float, ...]) -> None:
+    for width in widths_mm:
+        found = BUILT_IN.fitting(drive, 1e-3 * width, 1e-3 * width)
+        assert found, width
+        assert all(
+            Chosen(BUILT_IN, SeatSearch(60.0, 4, 0.1, 0.0), None, None).seated(pieces).tool for pieces in found[:3]
+        )
+
+
+@pytest.mark.parametrize(("drive", "most_mm"), [("torx socket", 24.0), ("cross", 12.0), ("slot", 12.0)])
+def test_the_built_in_one_has_a_tool_for_each_thread(drive: str, most_mm: float) -> None:
+    for size in np.arange(1.6, most_mm, 0.1):
+        assert BUILT_IN.fitting(drive, math.nan, 1e-3 * size), size

@@ -15,6 +15,8 @@ from feeler.plan.fastener_names import retainer_said
 from feeler.samples import hardware
 from feeler.samples import mesh as samples
 from feeler.samples.tessellation import Tolerance
+from feeler.tasks.fixings import Fixings
+from feeler.tasks.times import Arithmetic
 
 Floats = npt.NDArray[np.float64]
 
@@ -118,9 +120,12 @@ def test_a_plug_holds_itself() -> None:
 
 
 def test_a_bolt_in_clearance_holes_alone() -> None:
-    parts = {"bolt": bolt(0.02), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(CLEAR, -0.04, -0.01)}
+    parts = {"bolt": bolt(0.02), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(CLEAR, -0.015, -0.01)}
     row = only(feeler.holds(tilted(parts, 5)), "bolt")
     assert row.paths == ("cover", "case") and row.anchor is None and "neither" in row.because
+    deep = {**parts, "case": ring(CLEAR, -0.04, -0.01)}
+    row = only(feeler.holds(tilted(deep, 5)), "bolt")
+    assert row.paths == ("cover",) and row.anchor_path == "case" and "tip ends" in row.because
 
 
 def test_a_head_without_a_shank_holds_what_it_lies_on() -> None:
@@ -231,6 +236,10 @@ def test_the_gearbox_knows_what_its_fasteners_hold(seed: int) -> None:
     triangles = {1: 100_000, 6: 150_000}[seed]
     mockup, truth = feeler.sample("gearbox", triangles, seed), feeler.sample_truth("gearbox", triangles, seed)
     found = feeler.holds(mockup)
+    fixings = Fixings(feeler.Scene(mockup), feeler.Fasteners([]), found, Arithmetic(feeler.Times()))
+    fittings = {row.fastener for row in found if row.kind == "fitting"}
+    unions = [row for row in found if row.kind == "nut" and row.anchor in fittings]
+    assert unions and all(row.anchor in fixings.joins(row.fastener) for row in unions)
     for fastener in truth.fasteners:
         row = only(found, fastener.path)
         washers = tuple(mockup.part_paths[part] for part in row.washers)
@@ -277,3 +286,148 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
 )
 def test_retainers_are_known_by_names_in_several_languages(name: str, kind: str | None) -> None:
     assert retainer_said(name) == kind
+
+
+def along(mesh: Mesh, z: float) -> Mesh:
+    """Moved along z."""
+    return mesh[0] + np.array([0.0, 0.0, z]), mesh[1]
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.0005])
+def test_lock_nuts_point_away_from_what_they_clamp(gap: float) -> None:
+    thick = float(np.ptp(nut(0.0)[0][:, 2]))
+    parts = {
+        "stud_1": plain(hardware.ring(1e-5, SIZE / 2, 0.05, USUAL), at(z=-0.03)),
+        "cover": ring(CLEAR, 0.0, 0.008),
+        "case": ring(FITTED, -0.04, 0.0),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=0.008)),
+        "lock_nut": plain(hardware.nut(SIZE, USUAL), at(z=0.008 + thick + gap)),
+    }
+    mockup = tilted(parts, 3)
+    found = feeler.find_fasteners(mockup)
+    nuts = [row for row in found if row.kind == "nut"]
+    way = nuts[0].frame[:3, 3] - mockup.part_bounds.reshape(-1, 2, 3)[2].mean(axis=0)
+    assert len(nuts) == 2 and all(row.axis @ way > 0.0 for row in nuts)
+    assert all(only(feeler.holds(mockup, found), row.path).paths == ("cover",) for row in nuts)
+
+
+@pytest.mark.parametrize("washed", [False, True])
+def test_a_head_holds_what_it_bears_on_beside_its_shank(washed: bool) -> None:
+    low = -0.15 * SIZE if washed else 0.0
+    parts = {
+        "bolt": bolt(0.03),
+        "clip_plate": box((0.0045, -0.02, -0.008 + low), (0.03, 0.02, low)),
+        "case": ring(FITTED, -0.04, -0.008 + low, 0.03),
+        "near": box((-0.03, -0.02, -0.008 + low), (-0.0095, 0.02, low)),
+    }
+    if washed:
+        parts["washer"] = plain(hardware.washer(SIZE, USUAL), at(z=low))
+        parts["near"] = along(parts["near"], -0.001)
+    for seed in range(2):
+        row = only(feeler.holds(tilted(parts, seed)), "bolt")
+        assert row.paths == ("clip_plate",) and row.anchor_path == "case", row.because
+        assert len(row.washers) == washed
+
+
+def grooved(name: str, ring_at: float, width: float) -> dict[str, Mesh]:
+    """A shaft with a groove of a width, a gear on it, and a circlip of 1 mm."""
+    outline = [[1e-5, -0.05], [0.006, -0.05], [0.006, 0.0], [0.0055, 0.0], [0.0055, width], [0.006, width]]
+    shaft = hardware.revolve(np.array([*outline, [0.006, 0.01], [1e-5, 0.01]]), FINE)
+    return {
+        name: plain(shaft),
+        "gear": ring(0.00601, -0.02, 0.0),
+        "circlip": ring(0.0056, ring_at, ring_at + 0.001, 0.009, FINE),
+    }
+
+
+@pytest.mark.parametrize("name", ["shaft", "pin", "axle_pin"])
+@pytest.mark.parametrize(("ring_at", "width"), [(0.0, 0.001), (0.0005, 0.002)])
+def test_grooves_are_in_pins_too_and_wider_than_their_circlip(name: str, ring_at: float, width: float) -> None:
+    row = only(feeler.holds(tilted(grooved(name, ring_at, width), 4)), "circlip")
+    assert row.paths == ("gear",) and row.anchor_path == name, row.because
+
+
+def test_an_open_circlip_has_its_middle_off_that_of_its_box() -> None:
+    parts = grooved("shaft", 0.0, 0.001)
+    vertices, faces = parts["circlip"]
+    middle = vertices[faces].mean(axis=1)
+    parts["circlip"] = vertices, faces[np.abs(np.arctan2(middle[:, 1], middle[:, 0])) > 0.8]
+    row = only(feeler.holds(tilted(parts, 5)), "circlip")
+    assert row.paths == ("gear",) and row.anchor_path == "shaft"
+
+
+def test_a_fork_is_held_by_its_far_leg() -> None:
+    fork = joined(ring(CLEAR, -0.01, 0.0), ring(TAPPED, -0.04, -0.02), box((0.019, -0.005, -0.04), (0.03, 0.005, 0.0)))
+    parts = {"bolt": bolt(0.035), "fork": fork, "rod": ring(CLEAR, -0.019, -0.011, 0.012)}
+    row = only(feeler.holds(tilted(parts, 6)), "bolt")
+    assert row.paths == ("rod",) and row.anchor_path == "fork"
+
+
+def test_a_thread_in_an_insert_is_in_what_the_insert_is_in() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "cover": ring(CLEAR, -0.01, 0.0),
+        "insert": ring(FITTED, -0.025, -0.01, 0.006),
+        "case": joined(ring(0.006, -0.025, -0.01), ring(CLEAR, -0.05, -0.025)),
+    }
+    row = only(feeler.holds(tilted(parts, 7)), "bolt")
+    assert row.paths == ("cover",) and row.anchor_path == "case", row.because
+
+
+def test_a_shank_drawn_as_the_core_of_its_thread() -> None:
+    screw = hardware.cap_screw(SIZE, 0.03, FINE)
+    vertices = screw.vertices.copy()
+    vertices[vertices[:, 2] < 1e-6, :2] *= 0.82
+    parts = {
+        "screw": (vertices, screw.faces.astype(np.int64)),
+        "cover": ring(1.1 * SIZE / 2, -0.01, 0.0),
+        "case": ring(FITTED, -0.04, -0.01),
+    }
+    for seed in range(2):
+        row = only(feeler.holds(tilted(parts, seed)), "screw")
+        assert row.paths == ("cover",) and row.anchor_path == "case", row.because
+
+
+def test_a_bolt_whose_axis_is_in_flush_faces_of_parts_without_holes() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "clamp_foot": box((-0.02, -0.02, -0.01), (0.02, 0.02, 0.0)),
+        "bracket": box((-0.02, -0.02, -0.02), (0.02, 0.02, -0.01)),
+    }
+    for seed in range(4):
+        row = only(feeler.holds(tilted(parts, seed)), "bolt")
+        assert row.paths == ("clamp_foot",) and row.anchor_path == "bracket", row.because
+
+
+@pytest.mark.parametrize("clip", [False, True])
+def test_fittings_and_clips_hold_hoses(clip: bool) -> None:
+    tube = [[0.002, -0.012], [0.004, -0.012], [0.004, 0.0], [0.007, 0.0], [0.007, 0.005], [0.0036, 0.005]]
+    parts = {
+        "hose_connector": plain(hardware.revolve(np.array([*tube, [0.0036, 0.025], [0.002, 0.025]]), FINE)),
+        "hose": ring(0.0036, 0.008, 0.06, 0.0055),
+        "case": ring(FITTED, -0.04, 0.0),
+    }
+    if clip:
+        parts["hose_clamp"] = ring(0.0055, 0.012, 0.017, 0.007)
+    found = feeler.holds(tilted(parts, 8))
+    row = only(found, "hose_connector")
+    assert row.kind == "fitting" and row.anchor_path == "case"
+    assert row.paths == (("hose_connector",) if clip else ("hose", "hose_connector"))
+    assert not clip or (only(found, "hose_clamp").paths == ("hose",) and only(found, "hose_clamp").kind == "clip")
+
+
+def test_a_banjo_passes_it_on_to_its_pipe() -> None:
+    parts = {
+        "bolt": bolt(0.03),
+        "banjo": ring(CLEAR, -0.01, 0.0, 0.01),
+        "pipe": box((0.0098, -0.003, -0.008), (0.1, 0.003, -0.002)),
+        "case": ring(FITTED, -0.04, -0.01),
+    }
+    assert set(only(feeler.holds(tilted(parts, 9)), "bolt").paths) == {"banjo", "pipe"}
+
+
+def test_a_plate_with_a_welded_nut_is_no_nut() -> None:
+    thick = float(np.ptp(nut(0.0)[0][:, 2]))
+    plate = joined(ring(CLEAR, -0.012, -0.008, 0.03), plain(hardware.nut(SIZE, USUAL), at(z=-0.012 - thick)))
+    row = only(feeler.holds(tilted({"bolt": bolt(0.024), "cover": ring(CLEAR, -0.008, 0.0), "rail": plate}, 1)), "bolt")
+    assert row.paths == ("cover",) and row.anchor_path == "rail", row.because

@@ -6,6 +6,12 @@ import itertools
 import re
 import unicodedata
 
+PIPES = (
+    "pipe pipes tube tubes tubing hose hoses line lines rohr rohrleitung leitung schlauch tuyau tuyaux tubo tubi tubos "
+    "tubazione manguera durite"
+)
+"""Words of names of what fittings join."""
+
 KINDS = {
     "bolt": "bolt bolts hexbolt setbolt bolzen sechskantschraube perno tornillo boulon bullone",
     "screw": "screw screws capscrew setscrew grubscrew machinescrew schraube zylinderschraube vis vite shcs",
@@ -28,7 +34,11 @@ RETAINERS = {
     "sprengring eclip eclips",
     "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift zylinderstift passstift "
     "spannstift kegelstift kerbstift splint",
-    "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer",
+    "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer "
+    "banjo banjos banjoeye banjofitting banjounion ringstutzen ringauge",
+    "fitting": "adapter adapters adaptor adaptors fitting fittings connector connectors union unions nipple nipples "
+    "nippel stutzen schlauchstutzen einschraubstutzen tuelle schlauchtulle schlauchtuelle verschraubung "
+    "rohrverschraubung einschraubverschraubung coupling hosetail hosebarb barb",
 }
 """Last words of names, of two words written as one too, by kind of what holds parts without a thread."""
 
@@ -36,6 +46,7 @@ RETAINERS_FIRST = {
     "circlip": "anneauelastique anneauarret anelloelastico anelloseeger anilloelastico anilloseguridad",
     "pin": "goupille goupilles spina pasador pasadores",
     "clasp": "collier colliers fascetta fascette abrazadera abrazaderas",
+    "fitting": "raccord raccords raccordo raccordi racor racores",
 }
 """The same in languages in which they come first."""
 
@@ -67,6 +78,7 @@ _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for num
 _RETAINER_OF_WORD = {word: kind for kind, words in RETAINERS.items() for word in words.split()}
 _RETAINER_OF_FIRST = {word: kind for kind, words in RETAINERS_FIRST.items() for word in words.split()}
 _RETAINER_OF_STANDARD = {number: kind for kind, numbers in RETAINER_STANDARDS.items() for number in numbers.split()}
+_PIPES = frozenset(PIPES.split())
 _OTHERS = frozenset(OTHERS.split())
 _GENERIC = frozenset(GENERIC.split())
 _HEADS = frozenset(HEADS.split())
@@ -90,8 +102,8 @@ def kind_said(name: str) -> str | None:
 
 
 def retainer_said(name: str) -> str | None:
-    """What holds parts without a thread, in a name: "circlip", "pin", or "clasp" for clamps and clips; None if the name
-    does not say."""
+    """What holds parts without a head or a nut, in a name: "circlip", "pin", "clasp" for clamps and clips, or "fitting"
+    for what joins pipes; None if the name does not say."""
     standard = _DIN.search(name)
     number = "" if standard is None else standard.group().lstrip("DINSOEdinsoe _-")
     if number in _RETAINER_OF_STANDARD:
@@ -104,6 +116,12 @@ def retainer_said(name: str) -> str | None:
     nouns = [word for word in said if len(word) > 2]  # without "de", "di"
     pairs = [first + second for first, second in itertools.pairwise(nouns)]
     return next((_RETAINER_OF_FIRST[word] for word in [*nouns, *pairs] if word in _RETAINER_OF_FIRST), None)
+
+
+def is_pipe(name: str) -> bool:
+    """Whether a name says pipe or hose."""
+    said = words(_without_accents(name))
+    return any(word in _PIPES or word.endswith(("rohr", "schlauch", "leitung")) for word in said)
 
 
 def _without_accents(name: str) -> str:

@@ -83,6 +83,8 @@ BORE_TO_FLATS = (0.3, 0.68)
 """A nut's bore, relative to its width across flats: at most 0.67 in the standards."""
 BORE_TO_12_POINT = 0.86
 """The same limit for a 12-point nut: M8 has 10 mm across flats."""
+WIDEST_FLANGE = 2.0
+"""The greatest radius of a nut's flange, relative to half its width across flats: 1.4 in the standards."""
 NUT_HEIGHT = (0.15, 2.05)
 """Height, relative to the width across flats: thin nuts to long ones."""
 PRISM_HEIGHT = (0.25, 1.0)
@@ -577,6 +579,8 @@ def _nut(view: _View) -> _Found | None:
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
     is_two_sided = below < 1.1 * above and not is_blind
+    if max(above, below) > WIDEST_FLANGE * body.radius:
+        return None  # a plate that a nut is welded to
     if above > 1.1 * below:
         return None  # a flange: seen from the other end it is on the joint's side
     # Slots of a castle nut are open above: they have corners at their floor, between the bore and the outside.

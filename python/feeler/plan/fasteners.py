@@ -204,7 +204,9 @@ def find_fasteners(
         if progress is not None:
             progress(0.8, "looking which end is outside")
         scene = mockup if isinstance(mockup, Scene) else Scene(world)
-        for i, row in zip(unsure, _turned_out(scene, [found[i] for i in unsure]), strict=True):
+        mask = scene.part_mask.copy()
+        mask[[row.part for row in rows if row.kind == "nut"]] = False  # nuts on one axis lock each other
+        for i, row in zip(unsure, _turned_out(scene.only(mask), [found[i] for i in unsure]), strict=True):
             rows[i] = row
     rows += _studs(world, chosen, rows)
     if progress is not None:

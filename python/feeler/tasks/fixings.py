@@ -14,19 +14,11 @@ from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import Scene
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
+from feeler.tasks.threads import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]
 
-WIDTHS_MM: dict[float, tuple[float, ...]] = {
-    **{3.0: (5.5,), 4.0: (7.0,), 5.0: (8.0,), 6.0: (10.0,), 8.0: (13.0,), 10.0: (16.0, 17.0), 12.0: (18.0, 19.0)},
-    **{14.0: (21.0, 22.0), 16.0: (24.0,), 18.0: (27.0,), 20.0: (30.0,), 24.0: (36.0,), 30.0: (46.0,), 36.0: (55.0,)},
-}
-"""Widths across flats by nominal diameter, ISO 272, millimetres: threads are drawn as core or outside."""
-WIDTH_SHARE = 0.03
-"""How near a width must be."""
-SIZE_SHARE = (0.7, 1.3)
-"""The diameter in the mesh, over that of the width, for the width to decide."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
 _BESIDE = 8
@@ -141,7 +133,7 @@ class Fixings:
         while anchor in self._held and anchor not in seen:
             seen.add(anchor)
             if self._held[anchor].kind != "stud":
-                return None
+                return None if anchor in hold.mates else anchor  # a fitting, or a pin with a circlip
             anchor = self._held[anchor].anchor
         return anchor
 
@@ -150,7 +142,7 @@ class Fixings:
         if row is None:
             return Fixing(hold, None, Turns(0.0, ""), 0.0)
         size, engaged = self._thread(row, hold)
-        turns = self.times.turns(row.path, self._nominal(row, size), engaged)
+        turns = self.times.turns(row.path, nominal(row, size), engaged)
         length = row.length if math.isfinite(row.length) else 0.0
         return Fixing(hold, row, turns, BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length))
 
@@ -172,7 +164,7 @@ class Fixings:
         head = row.head_height if math.isfinite(row.head_height) else 0.0
         if thread and math.isfinite(row.length):
             # It is turned until its end is out of the thread, also where it stands out behind.
-            return row.size, min(self._rim(row, thread[0]), -head) + head + row.length
+            return row.size, min(self._rim(row, thread[-1]), -head) + head + row.length
         return row.size, row.length
 
     def _rim(self, row: Fastener, thread: Passed) -> float:
@@ -186,15 +178,6 @@ class Fixings:
         heights = start - np.asarray(hits.distances)
         near = heights[heights >= thread.top - 0.5 * step]
         return float(np.median(near)) if 2 * len(near) >= _BESIDE else thread.top + 0.5 * step
-
-    def _nominal(self, row: Fastener, size: float) -> float:
-        """The nominal diameter: by the width across flats, if the drive is a hexagon that fits."""
-        if row.drive == "hexagon" and math.isfinite(row.across_flats):
-            for nominal, widths in WIDTHS_MM.items():
-                is_near = any(abs(1e3 * row.across_flats - width) <= WIDTH_SHARE * width for width in widths)
-                if is_near and SIZE_SHARE[0] <= 1e3 * size / nominal <= SIZE_SHARE[1]:
-                    return 1e-3 * nominal
-        return size
 
     def _sorted_washers(self, held: Holds) -> dict[int, list[int]]:
         """Each washer with the nearest of the fasteners that it is on."""

@@ -17,8 +17,9 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.tasks.passing import Passed, in_bore, passed_by, under
-from feeler.tasks.retainers import clasped, retained
+from feeler.tasks.passing import Passed, borne, in_bore, passed_by, surrounding, under
+from feeler.tasks.retainers import Retained, clasped, clips, retained
+from feeler.tasks.threads import thread_size
 
 Floats = npt.NDArray[np.float64]
 
@@ -28,10 +29,23 @@ CORE = 0.93
 """The same of the core of a thread that is drawn as a helix."""
 THREADED = 0.84
 """Radius of what is in a nut over that of its bore: threads are at least as large."""
+TIP = 0.95
+"""A tip ends in a part that is around this much of the shank."""
+INSERT = 2.2
+"""The greatest radius of a threaded insert, in radii of the thread."""
+AROUND_INSERT = 1.2
+"""What an insert is in is around it within this many of its radii."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
 SHORT = 0.5
 """Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
+AT_FITTING_M = 0.005
+"""Nuts and clamps this near to a fitting hold the pipe on it, metres."""
+PLAY = 0.02
+"""What ends this near to the bearing face of a nut is on one side of it, in diameters."""
+WASHER_GAP = 0.03
+"""How far washers may be from each other and from their head, in diameters."""
+OUTER_DRIVES = ("hexagon", "square", "12-point")
 WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
 
@@ -44,7 +58,8 @@ class Hold:
     """Its part, an index into `mockup.parts`."""
     path: str
     kind: str
-    """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip" or "pin"; "given" if a table says so."""
+    """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
+    table says so."""
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
@@ -128,12 +143,18 @@ def holds(
         if beyond:
             raise OptionError(f"fasteners has {beyond[0]!r}, which is not in this mock-up: give fasteners of this one")
     given = _given(scene.mockup, table)
-    found = _Holding(scene, [row for row in fasteners if scene.part_mask[row.part]]).rows()
+    present = [row for row in fasteners if scene.part_mask[row.part]]
     if progress is not None:
-        progress(0.9, "looking at circlips and pins")
-    kept = {row.fastener: row for row in found}
-    for each in retained(scene, list(kept)):
+        progress(0.8, "looking at circlips and pins")
+    by_name = retained(scene, [row.part for row in present])
+    kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
+    for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+    held = {part for row in kept.values() for part in row.parts}
+    for each in clips(scene, held, set(kept)):
+        kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+    for row in [each for each in kept.values() if each.kind == "fitting"]:
+        kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
     for part, parts in given.items():
         was = kept.get(part)
         said = "the table says so"
@@ -145,6 +166,19 @@ def holds(
     if progress is not None:
         progress(1.0, "done")
     return Holds(kept.values())
+
+
+def _without_nuts(mockup: Mockup, fitting: Hold, rows: Iterable[Hold]) -> Hold:
+    """A fitting without the pipes that a nut or a clamp holds on it: these come off without it."""
+    bounds = mockup.part_bounds.reshape(-1, 2, 3)
+    low, high = bounds[fitting.fastener] + np.array([[-AT_FITTING_M], [AT_FITTING_M]])
+    others: set[int] = set()
+    for row in rows:
+        own = bounds[row.fastener]
+        if row is not fitting and (own[0] <= high).all() and (low <= own[1]).all():
+            others.update(row.parts)
+    parts = tuple(each for each in fitting.parts if each == fitting.fastener or each not in others)
+    return replace(fitting, parts=parts, paths=tuple(mockup.part_paths[each] for each in parts))
 
 
 def _given(mockup: Mockup, table: Mapping[int | str, PartsLike | None] | None) -> dict[int, tuple[int, ...]]:
@@ -191,10 +225,13 @@ def _row(
 class _Holding:
     """Looks at all fasteners of a scene."""
 
-    def __init__(self, scene: Scene, rows: list[Fastener]) -> None:
+    def __init__(self, scene: Scene, rows: list[Fastener], retainers: list[Retained]) -> None:
         self.mockup, self.fasteners = scene.mockup, rows
+        circlips = [each for each in retainers if each.kind == "circlip"]
+        self.circlip_on = {each.anchor: each.part for each in circlips if each.anchor is not None}
         mask = scene.part_mask.copy()
         mask[[row.part for row in rows]] = False
+        mask[[each.part for each in circlips]] = False
         self.bare = scene.only(mask)
         self.meshes = PartMeshes(scene.mockup)
         self.sizes = np.diff(scene.mockup.part_bounds.reshape(-1, 2, 3), axis=1)[:, 0]
@@ -237,15 +274,27 @@ class _Holding:
 
     def _of_shank(self, row: Fastener) -> Hold:
         passed, washers = self._without_washers(row, self.passed[row.part])
-        nuts = self.nuts[row.part]
+        nuts, is_stud = self.nuts[row.part], _is_stud(row)
         mates = tuple(nut.part for nut in nuts)
-        if nuts and row.kind != "stud":
+        if row.part in self.circlip_on and not nuts:
+            return self._held(
+                row, passed, washers, None, (), f"{self._name(self.circlip_on[row.part])} is in its groove"
+            )
+        if nuts and not is_stud:
             nut = max(nuts, key=lambda each: self._middle(row, each))
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
-            clamped = [each for each in passed if 0.5 * (each.top + each.bottom) > height]
+            clamped = [each for each in passed if each.top > height + PLAY * row.size]
+            clamped += self._borne(row, washers) + self._borne(nut, washers)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
+        inserts = self._inserts(row, passed)
         anchor = self._anchor(row, passed)
-        if row.kind == "stud":
+        if anchor is None and inserts:
+            anchor = min((each for each in passed if each.part in inserts), key=lambda each: each.bottom)
+        if anchor is not None and anchor.part in inserts:
+            anchor = replace(anchor, part=inserts[anchor.part])
+        anchor = anchor or self._around_tip(row, passed)
+        passed = [each for each in passed if inserts.get(each.part) != _part(anchor) or anchor is None]
+        if is_stud:
             said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
             if anchor is not None:
                 said = f"it is fastened in {self._name(anchor.part)}; {said}"
@@ -255,9 +304,11 @@ class _Holding:
             if not passed and not washers and row.length < SHORT * row.size:
                 passed = [Passed(part, 0.0, 0.0, 0.0) for part in under(self.bare, row, 0.2 * row.size)]
                 said = f"its shank is not drawn; its head lies on {self._names(passed)}"
-            return self._held(row, passed, washers, None, (), said)
-        clamped = [each for each in passed if each.top > anchor.top and each is not anchor]
-        how = "without a hole for it" if anchor.radius == 0.0 else "as wide as its thread"
+            return self._held(row, passed + self._borne(row, washers), washers, None, (), said)
+        clamped = [each for each in passed if each.top > anchor.top] + self._borne(row, washers)
+        clamped = [each for each in clamped if each.part != anchor.part]
+        how = "as wide as its thread" if _is_tight(row, anchor) else "where its tip ends"
+        how = "without a hole for it" if anchor.radius == 0.0 else how
         return self._held(row, clamped, washers, anchor.part, (), f"its thread is in {self._name(anchor.part)}, {how}")
 
     def _of_nut(self, nut: Fastener, shank: Fastener) -> Hold:
@@ -270,16 +321,40 @@ class _Holding:
             if each is not nut and self._is_upward(shank, each, passed) != is_upward
         ]
         mates = tuple(sorted([shank.part, *(each.part for each in others)]))
-        anchor = self._anchor(shank, passed) if shank.kind == "stud" else None
+        anchor = self._anchor(shank, passed) if _is_stud(shank) else None
         beyond = [self._bearing(shank, each) for each in others]
         if is_upward:
             # From this nut down to the thread of the stud, or to the nut at its other end.
-            end = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top])
-            clamped = [each for each in passed if end < 0.5 * (each.top + each.bottom) < height and each is not anchor]
+            low, high = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top]), height
         else:
-            end = min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
-            clamped = [each for each in passed if height < 0.5 * (each.top + each.bottom) < end and each is not anchor]
+            low, high = height, min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
+        play = PLAY * shank.size
+        clamped = [each for each in passed if each.top > low + play and each.bottom < high - play]
+        clamped += self._borne(nut, washers)
+        if not _is_stud(shank):
+            clamped += self._borne(shank, washers)
+        clamped = [each for each in clamped if each.part != _part(anchor)]
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
+
+    def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
+        """What a head or a nut bears on, through its washers, also beside the shank."""
+        height = row.length if row.kind == "nut" else row.head_height
+        if not np.isfinite(height) or not height > 0.0:
+            return []
+        below, wide = -height, self._width(row)
+        for each in washers:
+            local = (self.meshes.mesh(each)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+            if abs(float(local[:, 2].max()) - below) <= WASHER_GAP * row.size:
+                below, wide = float(local[:, 2].min()), 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+        parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)
+        return [Passed(part, below, below, 0.0) for part in parts]
+
+    def _width(self, row: Fastener) -> float:
+        """The diameter of the bearing face of a head or a nut: within its flats."""
+        if row.drive in OUTER_DRIVES and np.isfinite(row.across_flats):
+            return float(row.across_flats)
+        local = (self.meshes.mesh(row.part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+        return 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
 
     def _is_upward(self, shank: Fastener, nut: Fastener, passed: list[Passed]) -> bool:
         """Whether a nut holds what is below it: its own axis says so only where there are parts on both sides."""
@@ -294,7 +369,7 @@ class _Holding:
         inside = in_bore(self.bare, nut)
         threads = [each for each in inside if each.radius >= THREADED * 0.5 * nut.size]
         anchor = min(threads, key=lambda each: each.bottom, default=None)
-        held = [each for each in inside if each is not anchor]
+        held = [each for each in inside if each.part != _part(anchor)]
         if not held:
             below = [part for part in under(self.bare, nut, 0.1 * nut.size) if part != _part(anchor)]
             held = [Passed(part, 0.0, 0.0, 0.0) for part in below]
@@ -336,9 +411,36 @@ class _Holding:
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
         """The deepest part that the shank is tight in."""
-        half = 0.5 * row.size
-        tight = [each for each in passed if each.radius <= TIGHT * half or each.least <= CORE * half]
+        tight = [each for each in passed if _is_tight(row, each)]
         return min(tight, key=lambda each: each.bottom, default=None)
+
+    def _inserts(self, row: Fastener, passed: list[Passed]) -> dict[int, int]:
+        """The threaded inserts that a shank is in, and the part that each is in."""
+        radius = 0.5 * thread_size(row)
+        found = {}
+        for each in passed:
+            if each.radius == 0.0 or self.sizes[each.part].max() > 4.0 * INSERT * radius:
+                continue
+            local = (self.meshes.mesh(each.part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+            low, high = local.min(axis=0), local.max(axis=0)
+            middle = 0.5 * (low + high)
+            across = float(np.hypot(*(local - middle)[:, :2].T).max())
+            if across > INSERT * radius or high[2] - low[2] < WASHER_HEIGHT * radius:
+                continue
+            own = self.bare.without([each.part])
+            around = surrounding(own, row.frame[:3, :3] @ middle + row.frame[:3, 3], row.frame, AROUND_INSERT * across)
+            if around is not None:
+                found[each.part] = around
+        return found
+
+    def _around_tip(self, row: Fastener, passed: list[Passed]) -> Passed | None:
+        """The deepest part, if the tip ends in it, and others are above: the tip of a bolt with a nut stands out."""
+        deepest = min(passed, key=lambda each: each.bottom, default=None)
+        if deepest is None or not _finite(row.length) > 0.0:
+            return None
+        is_in = deepest.bottom <= -_head(row) - TIP * row.length
+        is_alone = all(each.part == deepest.part for each in passed)
+        return deepest if is_in and not is_alone else None
 
     @staticmethod
     def _middle(shank: Fastener, nut: Fastener) -> float:
@@ -363,12 +465,22 @@ def _part(passed: Passed | None) -> int | None:
     return None if passed is None else passed.part
 
 
+def _is_tight(row: Fastener, passed: Passed) -> bool:
+    """Whether a hole is a thread or a fit for a shank."""
+    return passed.radius <= TIGHT * 0.5 * thread_size(row) or passed.least <= CORE * 0.5 * row.size
+
+
+def _is_stud(row: Fastener) -> bool:
+    """Whether it has no head: a wheel stud is a bolt."""
+    return row.kind == "stud" and not _finite(row.head_height) > 0.0
+
+
 def _finite(value: float) -> float:
     return value if np.isfinite(value) else 0.0
 
 
 def _head(row: Fastener) -> float:
-    return _finite(row.head_height) if row.kind in ("bolt", "screw") else 0.0
+    return _finite(row.head_height)
 
 
 def _share(progress: Progress, share: float) -> Progress:

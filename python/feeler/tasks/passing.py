@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -9,22 +10,33 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Rays
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
+from feeler.tasks.threads import thread_size
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+_Level = tuple[float, float, float]
+"""A height, and the greatest and least distance of a part from the axis there."""
 
 _AROUND = 12  # rays around the axis
 LEVELS = 32  # heights along it
 _LAYERS = 24  # the most layers that are entered or left below a head
 _BESIDE = (0.6, 0.68)  # distances from the axis, in diameters, where layers are looked for: beside holes, under heads
 _REACH = 0.8  # in diameters: holes are narrower
-_MOST = 0.5  # the share of rays that hit a part that is around the axis
+_MOST = 0.58  # the share of rays that hit a part around the axis; two walls that meet in a corner beside it are half
 _BATCH = 1_000  # fasteners at a time
 _TIP = 0.95  # of the length of a shank: what is met beyond is not passed
+_ABOVE = 1e-3  # of the length of a shank: rays along it begin above its top
+_THIN = 0.01  # of the length of a shank
+_NARROW, _FEW = 0.2, 5  # a share of the heights of a hole, and the least number of them
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
+_SEAT = 0.02  # a head bears on what is this near, in diameters
+_SEATED = 36  # rays around its axis
+_SEAT_SHARES = (0.1, 0.35, 0.6, 0.8, 0.95)  # where they begin, between the shank and the edge of the head
+_SEAT_LEAST = 0.08  # the share of them that hit a part
 
 
 @dataclass(frozen=True)
@@ -36,13 +48,14 @@ class Passed:
     """Where it begins and ends along the axis, in the fastener's frame, metres; `top` is nearer to the head."""
     bottom: float
     radius: float
-    """The largest distance of its surface from the axis there, metres; 0: it is drawn without a hole."""
+    """The largest distance of its surface from the axis there, metres, where the hole is narrow; 0: it is drawn without
+    a hole."""
     least: float = 0.0
     """The least such distance."""
 
 
 def passed_by(scene: Scene, rows: Sequence[Fastener]) -> Iterator[list[Passed]]:
-    """The parts that each shank passes through, the one nearest to the head first.
+    """The parts that each shank passes through, the one nearest to the head first; a fork once for each leg.
 
     scene: without the fasteners.
     """
@@ -52,14 +65,14 @@ def passed_by(scene: Scene, rows: Sequence[Fastener]) -> Iterator[list[Passed]]:
 
 def _span(row: Fastener) -> tuple[float, float]:
     """Top and bottom of the shank, in its frame."""
-    head = row.head_height if row.kind in ("bolt", "screw") and np.isfinite(row.head_height) else 0.0
+    head = row.head_height if np.isfinite(row.head_height) else 0.0
     length = row.length if np.isfinite(row.length) else 0.0
     return -head, -head - length
 
 
 def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     spans = np.array([_span(row) for row in rows]).reshape(-1, 2)
-    sizes = np.array([row.size if np.isfinite(row.size) else 0.0 for row in rows])
+    sizes = np.array([thread_size(row) if np.isfinite(row.size) else 0.0 for row in rows])
     frames = np.array([row.frame for row in rows]).reshape(-1, 4, 4)
     levels = spans[:, :1] + (spans[:, 1:] - spans[:, :1]) * ((np.arange(LEVELS) + 0.5) / LEVELS)
     levels = np.concatenate([levels, _layers(scene, frames, spans, sizes)], axis=1)
@@ -77,15 +90,18 @@ def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     parts[far > _REACH * sizes[:, None, None]] = -1
     found = [_around(parts[n], far[n], levels[n]) for n in range(len(rows))]
     for n, more in enumerate(_solid(scene, frames, spans)):
+        # Near to one height alone, rays may be in the face of a part without a hole.
+        solid, thin = {each.part for each in more}, _THIN * float(spans[n, 0] - spans[n, 1])
+        found[n] = [each for each in found[n] if each.top - each.bottom > thin or each.part not in solid]
         known = {each.part for each in found[n]}
         found[n] += [each for each in more if each.part not in known]
         found[n].sort(key=lambda each: -each.top)
     return found
 
 
-def _ring() -> Floats:
-    turn = (np.arange(_AROUND) + 0.37) * (2.0 * np.pi / _AROUND)
-    return np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1)
+def _ring(count: int = _AROUND) -> Floats:
+    turn = (np.arange(count) + 0.37) * (2.0 * np.pi / count)
+    return np.stack([np.cos(turn), np.sin(turn), np.zeros(count)], axis=1)
 
 
 def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
@@ -93,8 +109,9 @@ def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
 
 
 def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
-    """The parts that at least half of the rays of a level hit. parts, far: (levels, rays)."""
-    seen: dict[int, list[tuple[float, float, float]]] = {}
+    """The parts that at least half of the rays of a level hit, the topmost first; those that another part divides more
+    than once. parts, far: (levels, rays)."""
+    seen: dict[int, list[_Level]] = {}
     for level, own, distances in zip(levels.tolist(), parts, far, strict=True):
         names, counts = np.unique(own[own >= 0], return_counts=True)
         if len(names) and counts.max() >= _MOST * len(own):
@@ -102,11 +119,28 @@ def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
             seen.setdefault(part, []).append(
                 (level, float(distances[own == part].max()), float(distances[own == part].min()))
             )
+    ends = {part: (rows[0][0], rows[-1][0]) for part, rows in seen.items()}
     found = []
     for part, rows in seen.items():
-        heights, largest, least = zip(*rows, strict=True)
-        found.append(Passed(part, heights[0], heights[-1], float(np.median(largest)), float(np.median(least))))
-    return found
+        for run in _runs(rows, [span for other, span in ends.items() if other != part]):
+            heights, largest, least = zip(*run, strict=True)
+            found.append(Passed(part, heights[0], heights[-1], _narrow(largest), float(np.median(least))))
+    return sorted(found, key=lambda each: -each.top)
+
+
+def _narrow(radii: Sequence[float]) -> float:
+    """The radius of the narrower part of a hole: its thread may be behind a wider part."""
+    return sorted(radii)[int(_NARROW * len(radii))] if len(radii) >= _FEW else float(np.median(radii))
+
+
+def _runs(rows: list[_Level], others: list[tuple[float, float]]) -> list[list[_Level]]:
+    """The levels of a part, divided where another part is between two of them as a whole: the legs of a fork."""
+    runs = [rows[:1]]
+    for above, row in itertools.pairwise(rows):
+        if any(above[0] > top and bottom > row[0] for top, bottom in others):
+            runs.append([])
+        runs[-1].append(row)
+    return runs
 
 
 def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Floats:
@@ -123,10 +157,14 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
     return np.concatenate(columns, axis=1)
 
 
-def _through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tuple[Floats, Ints]:
-    """All that rays meet up to their lengths: distances and parts, (n, `_LAYERS`), infinite and -1 beyond the last."""
+def _through(
+    scene: Scene, origins: Floats, ways: Floats, lengths: Floats
+) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
+    """All that rays meet up to their lengths: distances, parts and whether they enter them, (n, `_LAYERS`); infinite
+    and -1 beyond the last."""
     far = np.full((len(origins), _LAYERS), np.inf)
     parts = np.full((len(origins), _LAYERS), -1, dtype=np.int64)
+    enters = np.zeros((len(origins), _LAYERS), dtype=bool)
     gone = np.zeros(len(origins))
     left = np.arange(len(origins))
     for n in range(_LAYERS):
@@ -139,24 +177,74 @@ def _through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tu
         is_hit = (np.asarray(hits.triangles) >= 0) & (gone[left] <= lengths[left])
         left, owners = left[is_hit], np.asarray(hits.parts, dtype=np.int64)[is_hit]
         far[left, n], parts[left, n] = gone[left], owners
+        enters[left, n] = _against(scene, np.asarray(hits.triangles)[is_hit], ways[left])
         gone[left] += _STEP
-    return far, parts
+    return far, parts, enters
+
+
+def _against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool_]:
+    """Whether the normals of triangles are against some directions."""
+    corners = scene.mockup.vertices[scene.mockup.faces[triangles]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(np.einsum("ij,ij->i", normals, ways) < 0.0)
+
+
+class _Windings:
+    """Looks at single parts along shanks."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._meshes = scene, PartMeshes(scene.mockup)
+        self._turned: dict[int, bool] = {}
+
+    def is_inside_out(self, part: int) -> bool:
+        """Whether the triangles of a part face inwards."""
+        if part not in self._turned:
+            vertices, faces = self._meshes.mesh(part)
+            corners = (vertices - vertices.mean(axis=0))[faces]
+            volume = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+            self._turned[part] = bool(volume < 0.0)
+        return self._turned[part]
+
+    def begin(self, part: int, origin: Floats, way: Floats, within: float) -> float:
+        """How far from a point a part begins along a ray, metres; 0 if the point is in it.
+
+        Where faces are flush, rays that go on behind each hit see one part alone.
+        """
+        hits = self._scene.only([part]).rays(origin[None], way[None], within=within)
+        if int(np.asarray(hits.triangles)[0]) < 0:
+            return 0.0
+        enters = bool(_against(self._scene, np.asarray(hits.triangles), way[None])[0])
+        return float(np.asarray(hits.distances)[0]) if enters != self.is_inside_out(part) else 0.0
 
 
 def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     """The parts whose material is in the axis: drawn without a hole, or plates that the shank crosses."""
-    far, parts = _through(
-        scene, frames[:, :3, 3] + spans[:, :1] * frames[:, :3, 2], -frames[:, :3, 2], spans[:, 0] - spans[:, 1]
-    )
+    lengths = spans[:, 0] - spans[:, 1]
+    above = _ABOVE * lengths  # the end of the shank may be in the face of a part
+    origins = frames[:, :3, 3] + (spans[:, :1] + above[:, None]) * frames[:, :3, 2]
+    far, parts, enters = _through(scene, origins, -frames[:, :3, 2], lengths + above)
     found: list[list[Passed]] = []
+    windings = _Windings(scene)
     for n in range(len(frames)):
-        own: dict[int, list[float]] = {}
-        for distance, part in zip(far[n].tolist(), parts[n].tolist(), strict=True):
+        own: dict[int, list[tuple[float, bool]]] = {}
+        for distance, part, is_entry in zip((far[n] - above[n]).tolist(), parts[n], enters[n].tolist(), strict=True):
             if part >= 0:
-                own.setdefault(part, []).append(distance)
+                own.setdefault(int(part), []).append((distance, is_entry))
         # What is met at the tip alone is the bottom of a blind hole, or a part that the tip touches.
-        top, tip = spans[n, 0], _TIP * (spans[n, 0] - spans[n, 1])
-        found.append([Passed(part, top - min(at), top - max(at), 0.0) for part, at in own.items() if min(at) < tip])
+        top, tip = spans[n, 0], _TIP * lengths[n]
+        found.append([])
+        for part, at in own.items():
+            (first, begins), (last, goes_on) = at[0], at[-1]
+            is_turned = windings.is_inside_out(part)
+            if first >= tip:
+                continue
+            down = -frames[n, :3, 2]
+            if begins == is_turned:
+                first = max(windings.begin(part, origins[n], down, first + above[n]) - above[n], 0.0)
+            if goes_on != is_turned:
+                foot = origins[n] + (above[n] + lengths[n]) * down
+                last = lengths[n] - windings.begin(part, foot, -down, lengths[n] - last)
+            found[-1].append(Passed(part, top - max(first, 0.0), top - last, 0.0))
     return found
 
 
@@ -184,3 +272,34 @@ def under(scene: Scene, row: Fastener, within: float) -> list[int]:
     hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=within)
     names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
     return [int(name) for name, count in zip(names, counts, strict=True) if count >= _MOST * _AROUND]
+
+
+def surrounding(scene: Scene, point: Floats, frame: Floats, within: float) -> int | None:
+    """The part around a point, across the axis of a frame and no farther than `within`; None if there is none."""
+    ways = _ring() @ frame[:3, :3].T
+    hits = scene.rays(np.broadcast_to(point, ways.shape), ways, within=within)
+    names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+    if not len(names) or counts.max() < _MOST * _AROUND:
+        return None
+    return int(names[int(np.argmax(counts))])
+
+
+def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
+    """The parts that a head, a nut or its washers bear on at a height, beside its shank too.
+
+    scene: without the fasteners; below: the height of the bearing face in the frame of the fastener; wide: its
+    diameter, metres.
+    """
+    if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
+        return []
+    play, ring = _SEAT * row.size, _ring(_SEATED) @ row.frame[:3, :3].T
+    found: dict[int, int] = {}
+    for share in _SEAT_SHARES:
+        radius = 0.5 * (row.size + share * (wide - row.size))
+        origins = row.frame[:3, 3] + (below + play) * row.axis + radius * ring
+        hits = scene.rays(origins, np.broadcast_to(-row.axis, origins.shape), within=2.0 * play)
+        names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+        for name, count in zip(names.tolist(), counts.tolist(), strict=True):
+            if count >= _SEAT_LEAST * _SEATED:
+                found[int(name)] = max(found.get(int(name), 0), int(count))
+    return sorted(found, key=lambda name: (-found[name], name))

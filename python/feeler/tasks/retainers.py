@@ -1,4 +1,5 @@
-"""Circlips, pins, clamps and clips: what holds parts without a thread. They are known by their names."""
+"""Circlips, pins, clamps, clips and fittings of pipes: what holds parts without a head or a nut. They are known by
+their names."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ import numpy.typing as npt
 from feeler._core import Rays
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
-from feeler.plan.fastener_names import retainer_said
+from feeler.plan.fastener_names import is_pipe, retainer_said
+from feeler.plan.fastener_shape import rod_of
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
 from feeler.tasks.passing import passed_by
@@ -27,13 +29,17 @@ CLASP_M = 5e-4
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
 _AROUND = 24  # rays around a circlip, on each side
-_SHARES = (0.02, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.98)  # where, across its width
+_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)  # where across it they begin
 _LEAST = 0.2  # the share of them that hit a part that leans on it
+_GROOVE = 0.5  # the share of rays across it that hit the floor of its groove
+_DEPTHS = (0.1, 0.5, 0.9)  # where its walls are looked for, from the middle of the ring to the floor
+_WALL = 4.0  # how far away they are at most, in halves of its thickness
+_FAR = (0.0, 1.0, 4.0)  # how much farther than they touch parts are looked for, in halves of its thickness
 
 
 @dataclass(frozen=True)
 class Retained:
-    """What a circlip or a pin holds."""
+    """What a circlip, a pin, a fitting or a clip holds."""
 
     part: int
     kind: str
@@ -53,7 +59,7 @@ def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
 
 
 def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
-    """What the circlips and pins of a scene hold. but: parts that are known as other fasteners."""
+    """What the circlips, pins and fittings of a scene hold. but: parts that are known as other fasteners."""
     mockup, taken = scene.mockup, set(but)
     bounds = mockup.part_bounds.reshape(-1, 2, 3)
     sides = bounds[:, 1] - bounds[:, 0]
@@ -63,19 +69,68 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     said = {part: retainer_said(mockup.part_names[part]) for part in some}
     circlips = [part for part in some if said[part] == "circlip"]
     pins = [part for part in some if said[part] == "pin"]
-    mask = scene.part_mask.copy()
-    mask[[*taken, *circlips, *pins]] = False
-    bare, meshes = scene.only(mask), PartMeshes(mockup)
-    others = scene.part_mask.copy()
-    others[circlips] = False
-    around = scene.only(others)  # a pin, and a bolt, can have a groove, and a pin can lean on a circlip
+    meshes = PartMeshes(mockup)
+    # Grooves are also in pins and bolts.
+    around = _without(scene, circlips)
     rows = [_circlip(around, part, *meshes.mesh(part), taken) for part in circlips]
+    fittings = [part for part in some if said[part] == "fitting"]
+    bare = _without(scene, [*taken, *circlips, *pins])
+    rows += _fittings(_without(scene, [*taken, *circlips, *pins, *fittings]), fittings, meshes)
     rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
-        parts = tuple(each.part for each in passed)
+        parts = tuple(dict.fromkeys(each.part for each in passed))
         how = "it is in no part" if not parts else "it goes through them"
         rows.append(Retained(rod.part, "pin", parts, None, f"{how}; its name says pin"))
     return rows
+
+
+def clips(scene: Scene, held: set[int], but: set[int]) -> list[Retained]:
+    """What clamps and clips hold that no fastener holds: they spring, or have their screw in them.
+
+    held: all that fasteners hold; but: the fasteners.
+    """
+    mockup, rows = scene.mockup, []
+    bare = _without(scene, but)
+    for part in np.flatnonzero(scene.part_mask).tolist():
+        if part in held or part in but or retainer_said(mockup.part_names[part]) != "clasp":
+            continue
+        parts = tuple(clasped(bare, [part], set()))
+        if parts:
+            rows.append(
+                Retained(part, "clip", parts, None, "it clamps them; no fastener holds it, its name says clamp")
+            )
+    return rows
+
+
+def _fittings(scene: Scene, parts: list[int], meshes: PartMeshes) -> list[Retained]:
+    """What fittings hold: what is clamped under them, and pipes at them; themselves in what their thread is in."""
+    mockup, rods = scene.mockup, []
+    for part in parts:
+        looks = rod_of(*meshes.mesh(part))
+        if looks is not None:
+            local = (meshes.mesh(part)[0] - looks.top) @ framed(looks.top, looks.axis)[:3, :3]
+            size = 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+            frame = framed(looks.top, looks.axis)
+            path = mockup.part_paths[part]
+            rods.append(Fastener(part, path, "stud", frame, size, np.nan, looks.length, np.nan, 1.0, ""))
+    rows = []
+    for rod, passed in zip(rods, passed_by(scene, rods), strict=True):
+        around = [each for each in passed if each.radius > 0.0]
+        pipes = {each.part for each in around if is_pipe(mockup.part_names[each.part])}
+        fixed = [each for each in around if each.part not in pipes]
+        if not fixed:
+            continue
+        anchor = min(fixed, key=lambda each: (each.radius, each.part)).part
+        held = dict.fromkeys(each.part for each in around if each.part != anchor)
+        said = f"its thread is in {mockup.part_paths[anchor]!r}; its name says fitting"
+        rows.append(Retained(rod.part, "fitting", (*held, rod.part) if held else (rod.part,), anchor, said))
+    return rows
+
+
+def _without(scene: Scene, parts: Iterable[int]) -> Scene:
+    mask = scene.part_mask.copy()
+    mask[list(parts)] = False
+    return scene.only(mask)
 
 
 def _axes(vertices: Floats) -> tuple[Floats, Floats]:
@@ -96,33 +151,73 @@ def _rod(path: str, part: int, vertices: Floats) -> Fastener:
 
 
 def _circlip(scene: Scene, part: int, vertices: Floats, faces: Ints, fasteners: set[int]) -> Retained:
-    """What leans on one side of a ring, but threaded fasteners; what is on both sides has its groove."""
-    mockup, ring = scene.mockup, ring_of(vertices, faces)
-    if ring is None:
+    """What leans on a ring, and what has its groove."""
+    mockup, found = scene.mockup, ring_of(vertices, faces)
+    if found is None:
         return Retained(part, "circlip", (), None, "its name says circlip, but it is no ring")
-    frame = framed(ring.middle, ring.axis)
+    frame = framed(found.middle, found.axis)
+    axis, middle = frame[:3, 2], frame[:3, 3]
+    inner, outer, half = found.inner, found.outer, 0.5 * found.thickness
     turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
-    sides: list[set[int]] = []
-    leaning = set[int]()
-    for way in (ring.axis, -ring.axis):
-        found = set[int]()
-        for share in _SHARES:
-            radius = ring.inner + share * ring.width
-            at = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
-            origins, ways = ring.middle + at, np.broadcast_to(way, (_AROUND, 3))
-            hits = scene.rays(origins, ways, within=max(ring.thickness, 0.5 * ring.thickness + TOUCH_M))
-            found |= _most(hits, ring.thickness)
-            leaning |= _most(hits, 0.5 * ring.thickness + TOUCH_M)
-        sides.append(found)
-    both = sides[0] & sides[1]
-    anchor = min(both) if both else None
-    parts = tuple(sorted(leaning - both - fasteners))
+    ring = np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND)], axis=1) @ frame[:3, :3].T
+    rim = middle + (inner + np.array(_SHARES)[:, None, None] * (outer - inner)) * ring
+    anchor = _groove(scene, frame, ring, (inner, outer), half)
+    parts: tuple[int, ...] = ()
+    for far in _FAR:  # it may have play
+        sides = [_leaning(scene, rim, way, half + TOUCH_M + far * half) for way in (axis, -axis)]
+        if anchor is None:
+            both = {name: min(count, sides[1][name]) for name, count in sides[0].items() if name in sides[1]}
+            anchor = max(sorted(both), key=lambda name: both[name], default=None)
+        parts = tuple(sorted((set(sides[0]) ^ set(sides[1])) - {anchor} - fasteners))
+        if parts:
+            break
     said = "no groove was found" if anchor is None else f"its groove is in {mockup.part_paths[anchor]!r}"
     return Retained(part, "circlip", parts, anchor, f"{said}; its name says circlip")
 
 
-def _most(hits: Rays, within: float) -> set[int]:
-    """The parts that a share of the rays around hit within a distance, metres."""
-    is_near = (np.asarray(hits.triangles) >= 0) & (np.asarray(hits.distances) <= within)
-    names, counts = np.unique(np.asarray(hits.parts)[is_near], return_counts=True)
-    return {int(name) for name, count in zip(names, counts, strict=True) if count >= _LEAST * _AROUND}
+def _leaning(scene: Scene, rim: Floats, way: Floats, within: float) -> dict[int, int]:
+    """The parts on one side of a ring, and how many rays hit each. rim: (k, n, 3), circles of origins."""
+    found: dict[int, int] = {}
+    for origins in rim:
+        for name, count in _counts(scene.rays(origins, np.broadcast_to(way, origins.shape), within=within)):
+            if count >= _LEAST * len(origins):
+                found[name] = found.get(name, 0) + count
+    return found
+
+
+def _groove(scene: Scene, frame: Floats, ring: Floats, radii: tuple[float, float], half: float) -> int | None:
+    """The part with a groove at a ring: inside or outside of it, and on both sides of it, or as a step on one.
+
+    ring: (n, 3).
+    """
+    middle = 0.5 * (radii[0] + radii[1])
+    best, least = None, (0, np.inf)
+    for way in (-1.0, 1.0):
+        floor = scene.rays(frame[:3, 3] + middle * ring, way * ring, within=2.0 * middle)
+        for name, count in _counts(floor):
+            own = np.asarray(floor.parts) == name
+            depth = np.asarray(floor.distances)[own]
+            gap = abs(float(np.median(depth)) - 0.5 * (radii[1] - radii[0]))
+            if count < _GROOVE * len(ring):
+                continue
+            alone = scene.only([name])
+            origins = [frame[:3, 3] + (middle + way * share * depth)[:, None] * ring[own] for share in _DEPTHS]
+            walls = sum(_is_wall(alone, origins, side * frame[:3, 2], _WALL * half) for side in (-1.0, 1.0))
+            if walls and (-walls, gap) < least:
+                best, least = name, (-walls, gap)
+    return best
+
+
+def _is_wall(scene: Scene, origins: list[Floats], way: Floats, within: float) -> bool:
+    """Whether rays from one of some circles hit something."""
+    for circle in origins:
+        hits = scene.rays(circle, np.broadcast_to(way, circle.shape), within=within)
+        if np.mean(np.asarray(hits.triangles) >= 0) >= _LEAST:
+            return True
+    return False
+
+
+def _counts(hits: Rays) -> list[tuple[int, int]]:
+    """The parts that rays hit, and how many hit each."""
+    names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+    return list(zip(names.tolist(), counts.tolist(), strict=True))
