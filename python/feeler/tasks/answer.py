@@ -19,3 +19,15 @@ class Task(TaskFacts):
     def to_xlsx(self, path: str | os.PathLike[str]) -> None:
         """Writes a workbook: steps, totals, elements. Needs `feeler[xlsx]`. Raises `WriteError`, `OptionError`."""
         write_xlsx(path, self)
+
+
+class TaskInterrupted(KeyboardInterrupt):
+    """Ctrl-C; `.task` has the best plan until then, if there was one, with `is_found` False: its ways were not checked.
+    Its `bound` is right: no plan is below."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        super().__init__(f"interrupted: {task.said}")
+
+    def __reduce__(self) -> tuple[type[TaskInterrupted], tuple[Task]]:
+        return (type(self), (self.task,))

@@ -21,7 +21,7 @@ from feeler.plan.sequence import Exit
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.actions import Actions, Together
-from feeler.tasks.answer import Task
+from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
@@ -80,7 +80,8 @@ def task(
     - `progress`: called with the share of the time, 0 to 1, and what is done.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
-    `MeshError` for tools that are none, `LoadError` for a bad file of times.
+    `MeshError` for tools that are none, `LoadError` for a bad file of times. Ctrl-C ends the search with
+    `TaskInterrupted`, which has the best plan until then.
     """
     check_kind("scene", scene, Scene)
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
@@ -214,10 +215,16 @@ class _Planner:
         self.question = actions.question
         self.mockup = self.question.scene.mockup
         self.tries = 0
-        self.bound = 0.0
+        self._search: Search | None = None
 
     def task(self) -> Task:
-        """The best plan whose ways hold."""
+        """The best plan whose ways hold. Raises `TaskInterrupted` at Ctrl-C."""
+        try:
+            return self._task()
+        except KeyboardInterrupt:
+            raise TaskInterrupted(self._so_far()) from None
+
+    def _task(self) -> Task:
         found = self._found()
         for _ in range(MOST_PLANS):
             if found.steps is None:
@@ -234,7 +241,8 @@ class _Planner:
 
     def _found(self) -> Found:
         self.clock.tell("searching the quickest order")
-        return Search(self.actions, TARGET, self.clock.goes_on, self.forced).best()
+        self._search = Search(self.actions, TARGET, self.clock.goes_on, self.forced)
+        return self._search.best()
 
     def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
         """The steps with their ways; None if one does not hold, and then its blockers are known."""
@@ -363,6 +371,41 @@ class _Planner:
             elements=dict(self.actions.times.elements),
             examples=self.actions.times.times.examples,
             notes=tuple(notes),
+        )
+
+    def _so_far(self) -> Task:
+        """The best plan until now. Nothing is asked of the geometry any more, so its ways are not checked."""
+        found = Found(None, math.nan, 0.0, False, {}) if self._search is None else self._search.so_far
+        out: frozenset[int] = frozenset()
+        steps: list[TaskStep] = []
+        now = 0.0
+        for ordered in found.steps or ():
+            gone = self.actions.gone(out)
+            parts = tuple(part for part in self.question.parts_of(ordered.unit.items) if part not in gone)
+            out |= set(ordered.unit.items)
+            if not parts:
+                continue
+            tooled = ordered.choice.key
+            said = tooled.because if isinstance(tooled, Tooled) else "its way is not checked"
+            one = _Checked(ordered, parts, np.empty((0, 4, 4)), frozenset(), said)
+            timed, number = self._timed(one), len(steps)
+            end = now + timed.mean + self.actions.get_seconds * ordered.is_changed
+            slot = Slot(0, now, end, ordered.is_changed, None)
+            steps.append(self._step(number, one, timed, tuple(range(number)), slot))
+            now = end
+        return Task(
+            parts=self.wanted,
+            is_found=False,
+            steps=tuple(steps),
+            seconds=now if steps else math.nan,
+            spread=math.sqrt(math.fsum(step.spread**2 for step in steps)) if steps else math.nan,
+            bound=found.bound / self.people,
+            blocked=(),
+            people=self.people,
+            is_complete=False,
+            elements=dict(self.actions.times.elements),
+            examples=self.actions.times.times.examples,
+            notes=("Interrupted: nothing says that the ways of these steps hold.",) if steps else (),
         )
 
     def _timed(self, one: _Checked) -> Timed:

@@ -153,6 +153,8 @@ class Search:
         self.sets = 0
         """Sets that were looked at."""
         self.stuck: dict[int, frozenset[int]] = {}
+        self.so_far = Found(None, math.inf, 0.0, False, self.stuck)
+        """The best plan and the bound until now, for whoever ends the search."""
         self._makes_room = False
 
     def best(self) -> Found:
@@ -193,6 +195,8 @@ class Search:
                 break
             bound, _, one = heapq.heappop(queue)
             looked += 1
+            lowest = max(self.so_far.bound, min(seconds, least_leaf, bound))
+            self.so_far = Found(best, seconds, lowest, False, self.stuck)
             if one.needs:
                 waiting = list(self._children(one))
                 continue
