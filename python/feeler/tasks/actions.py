@@ -13,6 +13,7 @@ from feeler.mockup import Tool
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
 from feeler.scene import Scene
+from feeler.tasks.ahead import Ahead
 from feeler.tasks.fixings import Fixing, Fixings
 from feeler.tasks.reached import Reached, Reaching, Tooled
 from feeler.tasks.search import Choice, Way
@@ -87,9 +88,16 @@ class Actions:
     """The actions of a scene, as `Search` asks for them."""
 
     def __init__(
-        self, question: Together, clock: Clock, fixings: Fixings, reaching: Reaching, times: Arithmetic
+        self,
+        question: Together,
+        clock: Clock,
+        fixings: Fixings,
+        reaching: Reaching,
+        times: Arithmetic,
+        ahead: Ahead,
     ) -> None:
         self.question, self.clock, self.fixings, self.reaching, self.times = question, clock, fixings, reaching, times
+        self.ahead = ahead
         self.graph = _Graph(question, clock, fixings)
         self.get_seconds = times.elements["get"].mean
         self._axis: dict[int, tuple[Way, ...]] = {}
@@ -133,6 +141,17 @@ class Actions:
         answer = self.answer(item, out)
         choices = [Choice(each.tool, self.undone(item, each).mean, each) for each in answer.tooled]
         return choices, self._nodes(answer.blockers) - {item}
+
+    def expect(self, items: Sequence[int], out: frozenset[int] | None) -> None:
+        """As `Problem`."""
+        questions = []
+        for item in items:
+            if self.is_turned(item):
+                fixing = self.fixings.of(item)
+                assert fixing.row is not None
+                gone = self.gone(self._most_out(item) if out is None else out - {item}) - {item}
+                questions.append((fixing.row, gone, fixing.turns.count))
+        self.ahead.reach(questions)
 
     def answer(self, item: int, out: frozenset[int]) -> Reached:
         """With which tools a fastener is reached while items are out."""
@@ -183,8 +202,8 @@ class Actions:
             fixing = self.fixings.of(item)
             assert fixing.row is not None
             out = self.gone(self._most_out(item)) - {fixing.part}
-            tools = self.reaching.any_of(fixing.row, out, fixing.turns.count)
-            options = [self.undone(item, each).mean for each in tools]
+            best = self.reaching.at_best(fixing.row, out, fixing.turns.count)
+            options = [self.undone(item, each).mean for each in best.tooled]
             self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
         return self._least[item]
 

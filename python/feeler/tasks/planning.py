@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,11 +17,13 @@ from feeler.errors import OptionError
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fasteners, find_fasteners
 from feeler.plan.question import TARGET, Clock
-from feeler.plan.removal import LARGEST_SEED, Removal, alone, removal
+from feeler.plan.removal import LARGEST_SEED, Removal, removal
 from feeler.plan.sequence import Exit
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.spreading import check_executor
 from feeler.tasks.actions import Actions, Together
+from feeler.tasks.ahead import BENT_ROUNDS, Ahead, WayAsked
 from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
@@ -33,10 +36,6 @@ from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
-STRAIGHT_ROUNDS = 2
-"""Rounds of the search for the way of a part whose direction is known."""
-BENT_ROUNDS = 8
-"""Rounds for a part that no straight motion takes out."""
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
@@ -56,6 +55,7 @@ def task(
     seconds: float = 600.0,
     seed: int = 0,
     threads: int | None = None,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Task:
     """How parts are taken out: the quickest plan that was found, step by step, and what no plan is below.
@@ -77,6 +77,8 @@ def task(
       these.
     - `seconds`: the search ends then. The plan depends neither on it, unless it ended it (`is_complete`), nor on
       `threads`.
+    - `executor`: where questions that do not depend on each other are asked, as in `removals`, one thread each. The
+      plan does not depend on it.
     - `progress`: called with the share of the time, 0 to 1, and what is done.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
@@ -89,6 +91,7 @@ def task(
     check_whole("seed", seed, 0, LARGEST_SEED)
     workers = check_threads(threads)
     check_progress(progress)
+    check_executor(executor)
     table = Arithmetic(times_of(times))
     wanted = _wanted(scene, parts)
     kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
@@ -108,9 +111,11 @@ def task(
     fixings = Fixings(scene, fasteners, held, table)
     clock.tell("looking at what leaves together")
     question = _question(scene, wanted, kept, fixings, seed, workers)
-    actions = Actions(question, clock, fixings, reaching, table)
+    paths = tuple(scene.mockup.part_paths[part] for part in wanted)
     forced = _forced(scene, before, question)
-    return _Planner(actions, clock, crew, tuple(scene.mockup.part_paths[part] for part in wanted), forced).task()
+    with Ahead(scene, reaching, clock, executor) as ahead:
+        actions = Actions(question, clock, fixings, reaching, table, ahead)
+        return _Planner(actions, clock, crew, paths, forced).task()
 
 
 def _forced(
@@ -247,7 +252,12 @@ class _Planner:
     def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
         """The steps with their ways; None if one does not hold, and then its blockers are known."""
         out: frozenset[int] = frozenset()
-        checked = []
+        checked, asked = [], []
+        for step in steps:
+            asked.append(self._asked(step, self._left(step, out), self.actions.gone(out)))
+            out |= set(step.unit.items)
+        self.actions.ahead.try_ways([each for each in asked if each is not None])
+        out = frozenset()
         for step in steps:
             one = self._checked_step(step, out)
             if one is None:
@@ -260,7 +270,7 @@ class _Planner:
     def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
         actions, item = self.actions, step.unit.items[0]
         gone = actions.gone(out)
-        parts = tuple(part for part in self.question.parts_of(step.unit.items) if part not in gone)
+        parts = self._left(step, out)
         if actions.is_turned(item):
             fixing = actions.fixings.of(item)
             way = np.stack([np.eye(4), actions.drawn(fixing)])
@@ -281,23 +291,22 @@ class _Planner:
         said = "; ".join(str(leg) for leg in found.legs) or method
         return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), said)
 
+    def _left(self, step: Ordered, out: frozenset[int]) -> tuple[int, ...]:
+        """The parts that leave in a step."""
+        gone = self.actions.gone(out)
+        return tuple(part for part in self.question.parts_of(step.unit.items) if part not in gone)
+
+    def _asked(self, step: Ordered, parts: tuple[int, ...], gone: frozenset[int]) -> WayAsked | None:
+        """The question for the way of a step; None for what needs none."""
+        if self.actions.is_turned(step.unit.items[0]) or not parts:
+            return None
+        return WayAsked(parts, gone, step.unit.motion, int(self.question.options["seed"]))
+
     def _way(self, step: Ordered, parts: tuple[int, ...], gone: frozenset[int]) -> Removal:
-        scene = self.question.scene
         self.clock.tell(f"checking the way of {self.mockup.part_names[parts[0]]}")
-        if int(scene.part_mask.sum()) <= len(parts) + len(gone):
-            return alone(int(self.question.options["seed"]))
-        motion: Any = step.unit.motion
-        is_straight = isinstance(motion, tuple) and len(motion) == 3
-        return removal(
-            scene.without(sorted(gone)) if gone else scene,
-            list(parts),
-            directions=[motion] if is_straight else None,
-            seconds=self.clock.left,
-            rounds=STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS,
-            seed=self.question.options["seed"],
-            threads=self.question.options["threads"],
-            progress=lambda _share, _stage: self.clock.look(),
-        )
+        asked = self._asked(step, parts, gone)
+        assert asked is not None
+        return self.actions.ahead.way(asked, self.question.options["threads"])
 
     def _learn(self, step: Ordered, tried: Removal) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
@@ -380,8 +389,7 @@ class _Planner:
         steps: list[TaskStep] = []
         now = 0.0
         for ordered in found.steps or ():
-            gone = self.actions.gone(out)
-            parts = tuple(part for part in self.question.parts_of(ordered.unit.items) if part not in gone)
+            parts = self._left(ordered, out)
             out |= set(ordered.unit.items)
             if not parts:
                 continue

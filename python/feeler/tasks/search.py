@@ -66,6 +66,10 @@ class Problem(Protocol):
     def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
         """How a fastener is undone while items are out; and the items in the way of a tool, or of a larger swing."""
 
+    def expect(self, items: Sequence[int], out: frozenset[int] | None) -> None:
+        """Fasteners that are likely to be asked for together, while items are out; None: while all is out that can be.
+        No answer depends on it."""
+
     def by_hand(self, items: Iterable[int]) -> Choice:
         """How parts, which leave together, or a loose fastener are taken out."""
 
@@ -239,6 +243,10 @@ class Search:
             if item in one.stays:
                 return None
             items.add(item)
+            if not self.problem.is_turned(item):
+                held = sorted({each for joint in self.problem.holders(item) for each in joint} - items)
+                self.problem.expect(held, None)
+                self.problem.expect(held, frozenset())
             for index, joint in enumerate(self.problem.holders(item)):
                 if len(joint) == 1:
                     waiting += sorted(joint - items)
@@ -398,9 +406,11 @@ class _Order:
             done.add((out, tool))
             if len(out) > len(furthest):
                 furthest = out
+            self.problem.expect([unit.items[0] for unit in self.units if self._is_next(unit, out)], out)
             ready = list(self._ready(out, tool))
             if len(done) > MOST_STATES:
-                return self._hastily(spent, out, tool, steps)
+                hasty = [self._hastily(out, tool, steps), self._hastily(start, "", ())]
+                return min((each for each in hasty if each is not None), key=self._seconds, default=None)
             for n, step in self._worth(ready, tool):
                 left = sum(
                     least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items}
@@ -413,27 +423,34 @@ class _Order:
         self._note_blocked(furthest)
         return None
 
-    def _hastily(
-        self, spent: float, out: frozenset[int], tool: str, steps: tuple[Ordered, ...]
-    ) -> tuple[Ordered, ...] | None:
-        """The rest of an order, the quickest step first."""
+    def _hastily(self, out: frozenset[int], tool: str, steps: tuple[Ordered, ...]) -> tuple[Ordered, ...] | None:
+        """The rest of an order: next is the step that would gain least by waiting."""
         while len(steps) < len(self.units):
             ready = list(self._ready(out, tool))
             if not ready:
                 self._note_blocked(out)
                 return None
             cost = self.problem.get_seconds
-            _, step = min(ready, key=lambda each: (each[1].choice.seconds + cost * each[1].is_changed, each[0]))
+            _, step = min(
+                ready,
+                key=lambda each: (each[1].choice.seconds + cost * each[1].is_changed - self._least[each[0]], each[0]),
+            )
             out, tool, steps = out | set(step.unit.items), step.choice.tool or tool, (*steps, step)
         return steps
+
+    def _seconds(self, steps: Sequence[Ordered]) -> float:
+        return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
 
     def _ready(self, out: frozenset[int], tool: str) -> Iterator[tuple[int, Ordered]]:
         """The steps that can be done now."""
         for n, unit in enumerate(self.units):
-            if out & set(unit.items) or not unit.before <= out or not self._is_free(unit, out):
+            if not self._is_next(unit, out):
                 continue
             for choice in self._choices(unit, out):
                 yield n, Ordered(unit, choice, bool(choice.tool) and choice.tool != tool)
+
+    def _is_next(self, unit: Unit, out: frozenset[int]) -> bool:
+        return not out & set(unit.items) and unit.before <= out and self._is_free(unit, out)
 
     def _is_free(self, unit: Unit, out: frozenset[int]) -> bool:
         gone = out | set(unit.items)
