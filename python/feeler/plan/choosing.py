@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
@@ -154,20 +155,31 @@ def choose(
 def quicker(
     scene: Scene, chosen: Chosen, fastener: Fastener, shape: HeadShape, turns: float, enough: int
 ) -> list[Reach]:
-    """The first tool that reaches a fastener, and of the later ones each that needs fewer strokes than all before, up
-    to one that needs `enough` or fewer. If none reaches: what `choose` says, alone. The last row has tried most."""
+    """The tools that reach a fastener and may be the quickest, alone or because they are in hand.
+
+    These are the first that reaches, with those of the same length, and of longer ones and other kinds those that need
+    fewer strokes than all before, up to one that needs `enough` or fewer. If none reaches: what `choose` says, alone.
+    The last row has all that were tried.
+    """
     tried = _Tried(scene, chosen, 0, fastener, fastener.frame, shape, turns)
     found: list[Reach] = []
     fewest = math.inf
-    for row in tried.rows():
-        if row.is_reachable and row.strokes is not None and row.strokes < fewest:
-            found.append(row)
-            fewest = row.strokes
-            if fewest <= enough:
-                break
+    for _, group in groupby(tried.rows(), key=lambda each: _length(each[0])):
+        rows = [row for _, row in group if row.is_reachable and (row.strokes or 0) < fewest]
+        found += rows
+        fewest = min([fewest, *(row.strokes or 0 for row in rows)])
+        if fewest <= enough:
+            break
     if found:
         found[-1] = replace(found[-1], tried=tuple(tried.tried))
     return found or [tried.nearest()]
+
+
+def _length(pieces: Pieces) -> Hashable:
+    """Equal for tools of one length: chains with equal extensions, and tools of one kind."""
+    if len(pieces) == 1:
+        return pieces[0].kind
+    return tuple(each.size for each in pieces[1:-1])
 
 
 @dataclass
@@ -195,9 +207,9 @@ class _Tried:
 
     def first(self) -> Reach:
         """The first that reaches, or the nearest."""
-        return next((row for row in self.rows() if row.is_reachable), None) or self.nearest()
+        return next((row for _, row in self.rows() if row.is_reachable), None) or self.nearest()
 
-    def rows(self) -> Iterator[Reach]:
+    def rows(self) -> Iterator[tuple[Pieces, Reach]]:
         """The answers of those that are not blocked at every angle."""
         row, shape = self.fastener, self.shape
         head = row.length if row.kind == "nut" else row.head_height
@@ -213,7 +225,7 @@ class _Tried:
                 found = question.reach(self.target, seat, row.part)
                 found = replace(found, angle_deg=(found.angle_deg + shape.to_flats) % 360.0)
                 if found.is_reachable:
-                    yield _stroked(found, pieces[-1].step_deg, self.turns, tuple(self.tried))
+                    yield pieces, _stroked(found, pieces[-1].step_deg, self.turns, tuple(self.tried))
                     break
                 self.tried.append(TriedTool(name_of(pieces), found.because, found.blockers))
                 best = self.best

@@ -183,6 +183,17 @@ class Reaching:
                 yield _room(tool_of(pieces), row, -deep, deep, APPROACH_M)
 
 
+def shape_of(tools: object, name: str) -> Tool:
+    """The tool of a step in its own frame; tools: as `task` took them. Raises `OptionError` if it is not among them."""
+    chosen = _catalogue(tools)
+    if chosen is not None:
+        return chosen.tool(name)
+    known = {} if tools is None else {each.name: each.tool for each in _tools(tools)}
+    if name not in known:
+        raise OptionError(f"tools has no {name!r}: give the tools that the task was planned with")
+    return known[name]
+
+
 def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
     """Tools with their strokes; empty if none reaches."""
     return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
@@ -197,8 +208,9 @@ def _tooled(answer: Reach, name: str, because: str) -> tuple[Tooled, ...]:
 def _in_the_way(answers: Sequence[Reach]) -> tuple[int, ...]:
     """The parts in the way of tools, and of all that were tried, the worst first."""
     counts: Counter[int] = Counter()
-    for one in [*answers, *answers[-1].tried]:
-        counts.update({each.part: each.count for each in one.blockers})
+    every = [*(each.blockers for each in answers), *(each.blockers for each in answers[-1].tried)]
+    for blockers in every:
+        counts.update({each.part: each.count for each in blockers})
     return tuple(sorted(counts.keys() - {answers[0].part}, key=lambda part: (-counts[part], part)))
 
 

@@ -22,7 +22,9 @@ MOST_SETS = 20_000
 MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
 MOST_STATES = 5_000
-"""States of one order; beyond it the order is completed step by step, the quickest first."""
+"""States of one order; beyond it the order is the best that a beam search finds."""
+MOST_AHEAD = 60
+"""States with equally many steps in a beam search."""
 SLACK = 1e-9
 """Seconds that do not count."""
 
@@ -368,6 +370,16 @@ class Search:
         return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
 
 
+class _State(NamedTuple):
+    """What is out, after which steps."""
+
+    spent: float
+    out: frozenset[int]
+    tool: str
+    """In hand."""
+    steps: tuple[Ordered, ...]
+
+
 class _Order:
     """The quickest order of units: A* over what is out and which tool is in hand.
 
@@ -409,12 +421,9 @@ class _Order:
             self.problem.expect([unit.items[0] for unit in self.units if self._is_next(unit, out)], out)
             ready = list(self._ready(out, tool))
             if len(done) > MOST_STATES:
-                hasty = [self._hastily(out, tool, steps), self._hastily(start, "", ())]
-                return min((each for each in hasty if each is not None), key=self._seconds, default=None)
+                return self._hastily()
             for n, step in self._worth(ready, tool):
-                left = sum(
-                    least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items}
-                )
+                left = self._left(out)
                 after = spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
                 number += 1
                 grown = out | set(step.unit.items)
@@ -423,23 +432,27 @@ class _Order:
         self._note_blocked(furthest)
         return None
 
-    def _hastily(self, out: frozenset[int], tool: str, steps: tuple[Ordered, ...]) -> tuple[Ordered, ...] | None:
-        """The rest of an order: next is the step that would gain least by waiting."""
-        while len(steps) < len(self.units):
-            ready = list(self._ready(out, tool))
-            if not ready:
-                self._note_blocked(out)
+    def _hastily(self) -> tuple[Ordered, ...] | None:
+        """An order by a beam search: of the states with equally many steps only those that promise most go on."""
+        beam: list[_State] = [_State(0.0, frozenset(), "", ())]
+        for _ in self.units:
+            grown: dict[tuple[frozenset[int], str], _State] = {}
+            for state in beam:
+                ready = list(self._ready(state.out, state.tool))
+                for _, step in self._worth(ready, state.tool):
+                    spent = state.spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
+                    out, tool = state.out | set(step.unit.items), step.choice.tool or state.tool
+                    if (out, tool) not in grown or spent < grown[out, tool].spent - SLACK:
+                        grown[out, tool] = _State(spent, out, tool, (*state.steps, step))
+            if not grown:
+                self._note_blocked(beam[0].out)
                 return None
-            cost = self.problem.get_seconds
-            _, step = min(
-                ready,
-                key=lambda each: (each[1].choice.seconds + cost * each[1].is_changed - self._least[each[0]], each[0]),
-            )
-            out, tool, steps = out | set(step.unit.items), step.choice.tool or tool, (*steps, step)
-        return steps
+            beam = sorted(grown.values(), key=lambda each: each.spent + self._left(each.out))[:MOST_AHEAD]
+        return min(beam, key=lambda each: each.spent).steps
 
-    def _seconds(self, steps: Sequence[Ordered]) -> float:
-        return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
+    def _left(self, out: frozenset[int]) -> float:
+        """The least seconds of the units that are still there."""
+        return sum(least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items})
 
     def _ready(self, out: frozenset[int], tool: str) -> Iterator[tuple[int, Ordered]]:
         """The steps that can be done now."""
