@@ -28,7 +28,9 @@ COME, WORK, GO = 0.2, 0.6, 0.75
 JUMP_S = 1e-3
 """In which a tool comes from its place beside the mock-up to where its way in begins, seconds of the film."""
 BESIDE = 0.1
-"""How far beside the shown parts tools lie, by the largest side of their box."""
+"""How far beside the shown parts tools and parts lie, by the largest side of their box."""
+GAP_M = 0.01
+"""Between parts that were put aside, metres."""
 
 
 def write_task_glb(
@@ -45,9 +47,14 @@ def write_task_glb(
     colours = [np.tile(np.array(LIGHT_GREY), (len(shown), 1))]
     colours[0][[place[part] for part in moving]] = STEEL_BLUE
     tracks: dict[int, _Track] = {}
+    laid = 0.0
     for step in task.steps:
+        bounds = Tool.of_parts(mockup, list(step.parts)).bounds
+        aside = None if step.verb == "disconnect" else _aside(scene.bounds, bounds, laid)
+        laid += 0.0 if aside is None else float(bounds[1, 1] - bounds[0, 1]) + GAP_M
+        drawn = _timed(step.way, bounds)
         for part in step.parts:
-            tracks.setdefault(place[part], _Track(np.eye(4))).leave(step, _drawn(mockup, step), quick)
+            tracks.setdefault(place[part], _Track(np.eye(4))).leave(step, drawn, quick, aside)
     pieces: dict[str, object] = {"task": scene}
     first = len(shown)
     for number, (name, person) in enumerate(_held(task)):
@@ -98,13 +105,20 @@ def _beside(bounds: Floats, tool: Tool, number: int) -> Floats:
     return pose
 
 
-def _drawn(mockup: Mockup, step: TaskStep) -> tuple[Floats, Floats]:
-    """The way of the parts of a step, with more poses where it turns, and shares of time `(n,)` from 0 to 1."""
-    bounds = Tool.of_parts(mockup, list(step.parts)).bounds
-    return _timed(step.way, bounds)
+def _aside(bounds: Floats, parts: Floats, laid: float) -> Floats:
+    """The motion of parts with a box that puts them aside: in a row on the side where no tools are, from `laid` on."""
+    size = float((bounds[1] - bounds[0]).max())
+    pose = np.eye(4)
+    pose[:3, 3] = [
+        bounds[0, 0] - BESIDE * size - parts[1, 0],
+        bounds[0, 1] + laid - parts[0, 1],
+        bounds[0, 2] - parts[0, 2],
+    ]
+    return pose
 
 
 def _timed(way: Floats, bounds: Floats) -> tuple[Floats, Floats]:
+    """A way with more poses where it turns, and shares of its time `(n,)` from 0 to 1. bounds: of what moves."""
     poses = in_steps(way, bounds.mean(axis=0)) if len(way) > 1 else way
     gone = moments(poses, bounds)
     return poses, gone / gone[-1] if gone[-1] > 0.0 else gone
@@ -116,10 +130,13 @@ class _Track:
     def __init__(self, home: Floats) -> None:
         self._home, self._times, self._poses = home, [0.0], [home]
 
-    def leave(self, step: TaskStep, drawn: tuple[Floats, Floats], speed: float) -> None:
-        """Parts leave at the end of their step, from where they are."""
+    def leave(self, step: TaskStep, drawn: tuple[Floats, Floats], speed: float, aside: Floats | None) -> None:
+        """Parts leave at the end of their step, from where they are, and are put aside."""
         begin = GO if len(step.tool_way) else 0.0
         self._add(step, begin, 1.0, drawn, speed, self._poses[-1])
+        if aside is not None:
+            self._key(max(self._times[-1], (step.start + step.seconds) / speed), self._poses[-1])
+            self._key(self._times[-1] + JUMP_S, aside)
 
     def visit(self, step: TaskStep, tool: Tool, speed: float) -> None:
         """A tool comes to its seat, works, and goes back to its place."""

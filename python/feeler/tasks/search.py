@@ -219,7 +219,8 @@ class Search:
                 best, seconds = steps, cost
         self.sets += looked
         lowest = queue[0][0] if queue else math.inf
-        return Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+        self.so_far = Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+        return self.so_far
 
     def _bound(self, one: _Set) -> float:
         """The least seconds of all plans that take this set out: of its fasteners, of its parts with a known way, as
@@ -391,15 +392,17 @@ class _Order:
         self.problem, self.units, self._goes_on = problem, units, goes_on
         self.all = frozenset(item for unit in units for item in unit.items)
         self.blocked: dict[int, frozenset[int]] = {}
-        self._least = [self._cheapest(unit) for unit in units]
+        self._at_best = [self._cheapest(unit) for unit in units]
+        self._least = [min((each.seconds for each in some), default=0.0) for some in self._at_best]
 
-    def _cheapest(self, unit: Unit) -> float:
+    def _cheapest(self, unit: Unit) -> Sequence[Choice]:
+        """How a unit leaves once all others are out."""
         item = unit.items[0]
         if not self.problem.is_turned(item):
-            return self.problem.by_hand(unit.items).seconds
+            return [self.problem.by_hand(unit.items)]
         choices, _ = self.problem.tooled(item, self.all - {item})
         loose = [self.problem.by_hand(unit.items)] if self.problem.mates(item) & self.all else []
-        return min((each.seconds for each in [*choices, *loose]), default=0.0)
+        return [*choices, *loose]
 
     def best(self) -> tuple[Ordered, ...] | None:
         """The order; None if there is none, and then `blocked` has what is in the way of what."""
@@ -447,8 +450,23 @@ class _Order:
             if not grown:
                 self._note_blocked(beam[0].out)
                 return None
-            beam = sorted(grown.values(), key=lambda each: each.spent + self._left(each.out))[:MOST_AHEAD]
+            beam = sorted(grown.values(), key=self._promised)[:MOST_AHEAD]
         return min(beam, key=lambda each: each.spent).steps
+
+    def _promised(self, state: _State) -> float:
+        """The seconds of an order that goes on from a state, by a guess: each unit at its least, and a change of the
+        tool for those that no tool in hand serves, the units with the fewest tools first."""
+        tools = [
+            {each.tool for each in some}
+            for unit, some in zip(self.units, self._at_best, strict=True)
+            if not state.out & set(unit.items) and all(each.tool for each in some)
+        ]
+        held, changes = {state.tool}, 0
+        for some in sorted(tools, key=len):
+            if not some & held:
+                changes += 1
+                held |= some
+        return state.spent + self._left(state.out) + self.problem.get_seconds * changes
 
     def _left(self, out: frozenset[int]) -> float:
         """The least seconds of the units that are still there."""
