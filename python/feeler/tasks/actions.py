@@ -102,6 +102,7 @@ class Actions:
         self.get_seconds = times.elements["get"].mean
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
+        self._most: dict[int, frozenset[int]] = {}
         self._needed: dict[int, frozenset[int]] = {}
         self._holders: dict[int, list[frozenset[int]]] = {}
         self.met: dict[int, frozenset[int]] = {}
@@ -144,6 +145,8 @@ class Actions:
 
     def expect(self, items: Sequence[int], out: frozenset[int] | None) -> None:
         """As `Problem`."""
+        if not self.ahead.has_workers:
+            return
         questions = []
         for item in items:
             if self.is_turned(item):
@@ -220,6 +223,8 @@ class Actions:
 
     def _most_out(self, item: int) -> frozenset[int]:
         """All items that can be out before a fastener is undone: not what it alone holds, nor what is kept."""
+        if item in self._most:
+            return self._most[item]
         question = self.question
         stays = {TARGET, item, *question.kept, *self.fixings.studs}
         alone = frozenset([item])
@@ -228,7 +233,8 @@ class Actions:
             if alone in self.holders(node):
                 stays.add(node)
         present = np.flatnonzero(question.scene.part_mask).tolist()
-        return frozenset(question.node_of(part) for part in present) - stays
+        self._most[item] = frozenset(question.node_of(part) for part in present) - stays
+        return self._most[item]
 
     def _nodes(self, parts: Iterable[int]) -> frozenset[int]:
         """The items that have to leave for parts to be gone, but those that are kept."""

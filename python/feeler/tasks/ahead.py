@@ -94,6 +94,11 @@ class Ahead:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
+    @property
+    def has_workers(self) -> bool:
+        """Whether an executor was given."""
+        return self._executor is not None
+
     def reach(self, questions: Sequence[tuple[Fastener, frozenset[int], float]]) -> None:
         """Asks for several fasteners at once, and lets `Reaching` know the answers."""
         if self._workers is None or not self._reaching.is_checked:

@@ -392,17 +392,35 @@ class _Order:
         self.problem, self.units, self._goes_on = problem, units, goes_on
         self.all = frozenset(item for unit in units for item in unit.items)
         self.blocked: dict[int, frozenset[int]] = {}
+        self._needed: dict[Unit, frozenset[int]] = {}
         self._at_best = [self._cheapest(unit) for unit in units]
         self._least = [min((each.seconds for each in some), default=0.0) for some in self._at_best]
 
     def _cheapest(self, unit: Unit) -> Sequence[Choice]:
-        """How a unit leaves once all others are out."""
+        """How a unit leaves once all others are out that need not wait for it."""
         item = unit.items[0]
         if not self.problem.is_turned(item):
             return [self.problem.by_hand(unit.items)]
-        choices, _ = self.problem.tooled(item, self.all - {item})
+        choices, _ = self.problem.tooled(item, self.all - {item} - self._waiting_for(item))
         loose = [self.problem.by_hand(unit.items)] if self.problem.mates(item) & self.all else []
         return [*choices, *loose]
+
+    def _waiting_for(self, item: int) -> frozenset[int]:
+        """The items that cannot leave before one: it is in their way or holds them, or they wait for such ones."""
+        found = {item}
+        while True:
+            more = {each for unit in self.units if self._needs(unit) & found for each in unit.items}
+            if more <= found:
+                return frozenset(found - {item})
+            found |= more
+
+    def _needs(self, unit: Unit) -> frozenset[int]:
+        """The items that have to be out before a unit: of joints those that are alone in it."""
+        if unit not in self._needed:
+            joints = [joint & self.all for item in unit.items for joint in self.problem.holders(item)]
+            alone = frozenset[int]().union(*(joint for joint in joints if len(joint) == 1))
+            self._needed[unit] = (unit.before | alone) - set(unit.items)
+        return self._needed[unit]
 
     def best(self) -> tuple[Ordered, ...] | None:
         """The order; None if there is none, and then `blocked` has what is in the way of what."""
