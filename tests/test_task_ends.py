@@ -18,6 +18,8 @@ from feeler.errors import OptionError
 from feeler.io import write_glb
 from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
+from feeler.tasks.memory import Memory
+from feeler.tasks.planning import planned
 from feeler.tasks.reached import Reaching
 
 USUAL = Tolerance(1e-4)
@@ -196,3 +198,30 @@ def test_the_command_writes_a_film(lidded: feeler.Scene, tmp_path: Path) -> None
     words = ("--part", "cover", "--catalogue", "built-in", "--glb", tmp_path / "film.glb")
     found = run_json("task", tmp_path / "a.glb", *words)
     assert found["written"]["glb"].endswith("film.glb") and {"lid", "bolt"} <= set(animations(tmp_path / "film.glb"))
+
+
+def test_edits_ask_nothing_of_the_geometry_again(lidded: feeler.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    memory, tools = Memory(), driver()
+    planned(memory, lidded, "cover", tools)
+    edits: list[dict[str, Any]] = [
+        {"times": feeler.Times(typed={"bolt": 5.0})},
+        {"times": {"stroke": 3.0}},
+        {"before": [("lid", "bolt")]},
+        {"people": 2},
+    ]
+    fresh = [feeler.task(lidded, "cover", tools, **edit).to_dict() for edit in edits]
+    for name in ("cast", "collide", "without", "only"):
+        monkeypatch.setattr(feeler.Scene, name, None)
+    assert [planned(memory, lidded, "cover", tools, **edit).to_dict() for edit in edits] == fresh
+
+
+def test_what_is_off_already_asks_little_again(lidded: feeler.Scene) -> None:
+    memory, tools = Memory(), driver()
+    planned(memory, lidded, "cover", tools)
+    reaching = memory.reaching(lidded, tools, None, {})
+    before = reaching.asked
+    bare = lidded.without("lid")
+    assert planned(memory, bare, "cover", tools).to_dict() == feeler.task(bare, "cover", tools).to_dict()
+    assert reaching.asked == before > 0  # that the lid is out was asked before
+    other = planned(memory, lidded, "cover", None)  # without tools, nothing of it serves
+    assert other.to_dict() == feeler.task(lidded, "cover").to_dict()

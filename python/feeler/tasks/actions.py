@@ -108,6 +108,12 @@ class Actions:
         self.met: dict[int, frozenset[int]] = {}
         """Of each fastener that a kept part stops on its axis: that part."""
 
+    def know(self, other: Actions) -> None:
+        """Takes over what other actions of the same question found of the geometry."""
+        self.graph, self._axis, self.met = other.graph, other._axis, other.met
+        self._most, self._holders = other._most, other._holders
+        self.graph.clock = self.clock
+
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener that a tool turns."""
         return item != TARGET and self.fixings.is_turned(item)

@@ -76,12 +76,21 @@ def way_of(
 class Ahead:
     """Hands questions to the workers of an executor; without one it does nothing."""
 
-    def __init__(self, scene: Scene, reaching: Reaching, clock: Clock, executor: Executor | None) -> None:
-        self._scene, self._reaching, self._clock = scene, reaching, clock
+    def __init__(
+        self,
+        scene: Scene,
+        reaching: Reaching,
+        clock: Clock,
+        executor: Executor | None,
+        ways: dict[WayAsked, Removal] | None = None,
+    ) -> None:
+        """ways: those that are known, and become known."""
+        self._here = self._scene = scene
+        self._reaching, self._clock = reaching, clock
         self._executor = executor
         self._shared = _Shared(reaching.given)
         self._workers: Workers | None = None
-        self._ways: dict[WayAsked, Removal] = {}
+        self._ways: dict[WayAsked, Removal] = {} if ways is None else ways
         self._stack = ExitStack()
 
     def __enter__(self) -> Ahead:
@@ -115,20 +124,20 @@ class Ahead:
 
     def try_ways(self, questions: Sequence[WayAsked]) -> None:
         """Tries several ways at once, up to the first that is not found."""
-        if self._workers is not None and len(questions) > 1:
-            answers = self._spread(questions, "ways", lambda way: not way.is_found)
-            self._ways = dict(zip(questions, answers, strict=False))
+        new = [each for each in questions if each not in self._ways]
+        if self._workers is not None and len(new) > 1:
+            answers = self._spread(new, "ways", lambda way: not way.is_found)
+            self._ways.update(zip(new, answers, strict=False))
 
     def way(self, asked: WayAsked, threads: int | None) -> Removal:
         """The answer to one."""
-        known = self._ways.pop(asked, None)
-        if known is not None:
-            return known
-        return way_of(self._scene_here, asked, threads, self._clock.left, lambda _share, _stage: self._clock.look())
-
-    @property
-    def _scene_here(self) -> Scene:
-        return self._reaching.scene
+        if asked not in self._ways:
+            left = self._clock.left
+            found = way_of(self._here, asked, threads, left, lambda _share, _stage: self._clock.look())
+            if found.is_out_of_time:
+                return found
+            self._ways[asked] = found
+        return self._ways[asked]
 
     def _spread(
         self, tasks: Sequence[Any], what: str, is_last: Callable[[Any], bool] = lambda _: False

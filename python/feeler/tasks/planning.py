@@ -28,7 +28,9 @@ from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
-from feeler.tasks.reached import Reaching, Tooled
+from feeler.tasks.memory import Found as Known
+from feeler.tasks.memory import Memory
+from feeler.tasks.reached import Tooled
 from feeler.tasks.search import Found, Ordered, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
@@ -85,6 +87,29 @@ def task(
     `MeshError` for tools that are none, `LoadError` for a bad file of times. Ctrl-C ends the search with
     `TaskInterrupted`, which has the best plan until then.
     """
+    given = locals()
+    return planned(Memory(), **given)
+
+
+def planned(
+    memory: Memory,
+    scene: Scene,
+    parts: PartsLike,
+    tools: Any = None,
+    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    keep: PartsLike | None = None,
+    people: int = 1,
+    *,
+    fasteners: Fasteners | None = None,
+    held: Holds | None = None,
+    before: Sequence[tuple[PartsLike, PartsLike]] | None = None,
+    seconds: float = 600.0,
+    seed: int = 0,
+    threads: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Task:
+    """As `task`, with what earlier plans found. Fasteners that are given are those of these plans, too."""
     check_kind("scene", scene, Scene)
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     crew = check_whole("people", people, 1, MOST_PEOPLE)
@@ -98,23 +123,30 @@ def task(
     if kept & set(wanted):
         path = scene.mockup.part_paths[min(kept & set(wanted))]
         raise OptionError(f"keep has {path!r}, which is wanted: leave it out of one of them")
-    reaching = Reaching(scene, tools, workers)
+    reaching = memory.reaching(scene, tools, workers, table.times.pitches_mm)
     clock = Clock(limit, progress)
-    clock.tell("looking for fasteners")
-    if fasteners is None:
-        fasteners = find_fasteners(scene, None, lambda _share, _stage: clock.look())
-    check_kind("fasteners", fasteners, Fasteners, "the result of feeler.find_fasteners")
-    clock.tell("looking at what they hold")
-    if held is None:
-        held = holds(scene, fasteners)
-    check_kind("held", held, Holds, "the result of feeler.holds")
-    fixings = Fixings(scene, fasteners, held, table)
-    clock.tell("looking at what leaves together")
-    question = _question(scene, wanted, kept, fixings, seed, workers)
+
+    def look() -> Known:
+        clock.tell("looking for fasteners")
+        rows = fasteners
+        if rows is None:
+            rows = find_fasteners(scene, None, lambda _share, _stage: clock.look())
+        check_kind("fasteners", rows, Fasteners, "the result of feeler.find_fasteners")
+        clock.tell("looking at what they hold")
+        joined = holds(scene, rows) if held is None else held
+        check_kind("held", joined, Holds, "the result of feeler.holds")
+        fixings = Fixings(scene, rows, joined, table)
+        clock.tell("looking at what leaves together")
+        return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+
+    known = memory.found((wanted, kept, seed), scene, look)
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
-    forced = _forced(scene, before, question)
-    with Ahead(scene, reaching, clock, executor) as ahead:
-        actions = Actions(question, clock, fixings, reaching, table, ahead)
+    forced = _forced(scene, before, known.question)
+    with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
+        actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
+        if known.actions is not None:
+            actions.know(known.actions)
+        known.actions = actions
         return _Planner(actions, clock, crew, paths, forced).task()
 
 

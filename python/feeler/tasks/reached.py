@@ -78,6 +78,7 @@ class Reaching:
         """Whether there are tools."""
         self.catalogue = _catalogue(tools)
         self.tools = () if self.catalogue is not None or tools is None else _tools(tools)
+        self._off = frozenset[int]()
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
         self._known: dict[int, dict[frozenset[int], Reached]] = {}
@@ -86,6 +87,14 @@ class Reaching:
         self.asked = 0
         """Questions that were not answered from memory."""
 
+    def covers(self, scene: Scene) -> bool:
+        """Whether a scene is this one, or this one with less in it."""
+        return scene.mockup is self.scene.mockup and not bool((scene.part_mask & ~self.scene.part_mask).any())
+
+    def look_at(self, scene: Scene) -> None:
+        """From now on asks in such a scene: what is not in it is out."""
+        self._off = frozenset(np.flatnonzero(self.scene.part_mask & ~scene.part_mask).tolist())
+
     def reached(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
         """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
         among those whose boxes meet that of the tools in any turn, and on any way in.
@@ -93,22 +102,27 @@ class Reaching:
         It is also taken from other sets: what is out never blocks, so the strokes for `turns` of a set are between
         those of a smaller and of a larger one, and where no tool reaches, none does with less out.
         """
-        near = self.near(row)
-        known, key = self._known.setdefault(row.part, {}), out & near
+        known, key = self._known.setdefault(row.part, {}), self._key(row, out)
         if key not in known:
             asked = self._between(known, key, turns) or self._ahead.pop((row.part, key), None)
             known[key] = asked or self.ask(row, out, turns, self.enough(row))
-        return known[key]
+        if not self._off:
+            return known[key]
+        there = tuple(part for part in known[key].blockers if part not in self._off)
+        return replace(known[key], blockers=there, looked=known[key].looked - self._off)
+
+    def _key(self, row: Fastener, out: frozenset[int]) -> frozenset[int]:
+        return (out | self._off) & self._around(row)
 
     def knows(self, row: Fastener, out: frozenset[int], turns: float) -> bool:
         """Whether the answer needs no geometry."""
-        known, key = self._known.get(row.part, {}), out & self.near(row)
+        known, key = self._known.get(row.part, {}), self._key(row, out)
         is_known = key in known or (row.part, key) in self._ahead
         return is_known or self._between(known, key, turns) is not None
 
     def foretell(self, row: Fastener, out: frozenset[int], answer: Reached) -> None:
         """Has the answer of `ask` ready, where it will be asked."""
-        self._ahead[row.part, out & self.near(row)] = answer
+        self._ahead[row.part, self._key(row, out)] = answer
 
     def enough(self, row: Fastener) -> int | None:
         """The strokes below which no tool comes at a fastener, if they are known."""
@@ -133,6 +147,9 @@ class Reaching:
 
     def near(self, row: Fastener) -> frozenset[int]:
         """The parts that its answers can depend on."""
+        return self._around(row) - self._off
+
+    def _around(self, row: Fastener) -> frozenset[int]:
         if row.part not in self._near:
             found: set[int] = set()
             for lower, upper in self._rooms(row):
@@ -145,7 +162,7 @@ class Reaching:
         """The answer by the geometry. enough: strokes below which no tool comes there, None: not known; it does not
         bear on the answer."""
         self.asked += 1
-        near = self.near(row)
+        near, out = self._around(row), out | self._off
         if not self.is_checked:
             said = "without tools: its reach is not checked"
             return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)

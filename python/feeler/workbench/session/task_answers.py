@@ -14,7 +14,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.plan.catalogue import Catalogue, catalogue
 from feeler.progress import Progress
 from feeler.tasks.answer import Task
-from feeler.tasks.planning import task
+from feeler.tasks.planning import planned
 from feeler.tasks.steps import TaskBlocker, TaskStep, clock
 from feeler.tasks.times import Times
 from feeler.workbench.document import motion
@@ -42,7 +42,8 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
         return Answered("It is off already.", True)
     edits, there = asked.edits, set(np.flatnonzero(asked.scene.part_mask).tolist())
     pairs = [(parts_at(asked.mockup, (one,)), parts_at(asked.mockup, (other,))) for one, other in edits.before]
-    found = task(
+    found = planned(
+        asked.memory,
         asked.scene,
         list(asked.parts),
         _tools(asked),
