@@ -67,6 +67,8 @@ class Asked:
     built_in: frozenset[str]
     threads: int
     edits: TaskEdits = NO_EDIT
+    times: str = ""
+    """Of a task: the table of times, TOML."""
     memory: Memory = field(default_factory=Memory)
     """Of a task: what its plans before edits found."""
 

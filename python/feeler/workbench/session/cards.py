@@ -166,7 +166,9 @@ class Cards:
         tools = {str(name): hands.tool(str(name)) for name in names}
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
-        asked = Asked(scene, there, card.options, tools, hands.built_in(), threads, card.edits)
+        asked = Asked(
+            scene, there, card.options, tools, hands.built_in(), threads, card.edits, document.task_times.toml
+        )
         if card.question != "task":
             return ANSWERS[card.question](asked, progress)
         # Taken away meanwhile: a plan that is cancelled may leave half of something.

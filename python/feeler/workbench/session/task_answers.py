@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -16,7 +15,7 @@ from feeler.progress import Progress
 from feeler.tasks.answer import Task
 from feeler.tasks.planning import planned
 from feeler.tasks.steps import TaskBlocker, TaskStep, clock
-from feeler.tasks.times import Times
+from feeler.tasks.times import Times, WholePath
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import TaskAnswer, TaskBlockerFacts, TaskStepFacts, WayFacts
 from feeler.workbench.document.document import TaskEdits
@@ -47,7 +46,7 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
         asked.scene,
         list(asked.parts),
         _tools(asked),
-        Times(typed={glob.escape(path): seconds for path, seconds in edits.times}),
+        _times(asked),
         people=int(asked.options.get("people", 1)),
         before=[(one, other) for one, other in pairs if there.issuperset(one) and there.issuperset(other)],
         seconds=asked.number("seconds", SECONDS),
@@ -69,6 +68,14 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
     rows = tuple(_way_facts(asked.mockup, way, step) for way, step in zip(ways, found.steps, strict=True))
     said = found.said[:1].upper() + found.said[1:].replace("+-", "±")
     return Answered(f"{said}.", found.is_found, ways, rows, facts=_totals(found), task=facts)
+
+
+def _times(asked: Asked) -> Times:
+    """The table of the project, with the times that were typed."""
+    table = Times.parse(asked.times)
+    given = {name: each for name, each in table.elements.items() if name not in table.examples}
+    typed: dict[str, Any] = {WholePath(path): seconds for path, seconds in asked.edits.times}
+    return Times(given, pitches_mm=table.pitches_mm, typed=typed | table.typed)
 
 
 def _tools(asked: Asked) -> Catalogue | dict[str, Any] | None:
