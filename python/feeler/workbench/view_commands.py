@@ -325,8 +325,7 @@ class ViewCommands:
         )
 
     def task_times(self, toml: str, name: str | None = None) -> CommandAnswer:
-        """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again. An empty text
-        takes the examples again."""
+        """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again."""
         return self._command("task_times", toml=toml, name=name)
 
     def way_take(

@@ -2,6 +2,7 @@
 
 import type { Card, CardAnswer, TaskEditKind } from "../link/protocol";
 import { ask, frameWay } from "./cards";
+import { chooseFile } from "./findings";
 import type { Workbench } from "./workbench";
 
 /** Asks how the selected parts are taken out. */
@@ -22,6 +23,14 @@ export function showStep(wb: Workbench, card: number, answer: CardAnswer, step: 
   frameWay(wb, way);
   wb.redraw();
 }
+
+/** Opens a table of times (TOML): all tasks are planned again. */
+export function openTimes(wb: Workbench): void {
+  chooseFile(".toml,text/plain", async (file) => wb.run("task_times", { toml: await file.text(), name: file.name }));
+}
+
+/** Takes the example times again. */
+export const dropTimes = (wb: Workbench): Promise<unknown> => wb.run("task_times", { toml: "" });
 
 /** Edits the plan of a task, which is searched again. */
 export const editTask = (

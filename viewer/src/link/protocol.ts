@@ -1445,7 +1445,7 @@ export interface Commands {
     readonly later?: Selection;
   };
   /**
-   * Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again. An empty text
+   * Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again; an empty one
    * takes the examples again.
    */
   readonly task_times: { readonly toml: string; readonly name?: string };

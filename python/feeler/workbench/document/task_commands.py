@@ -40,8 +40,10 @@ def task_edit(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def task_times(document: Document, given: Arguments, known: Known) -> Document:
-    """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again. An empty text
-    takes the examples again."""
+    """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again.
+
+    An empty text takes the examples again.
+    """
     toml: Any = given.raw("toml", str)
     if not isinstance(toml, str) or len(toml) > MOST_TIMES:
         raise given.fail("toml", "it is no text, or too long", f"send at most {MOST_TIMES:,} characters")
