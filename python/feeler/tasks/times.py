@@ -48,9 +48,15 @@ class Element(NamedTuple):
 
 
 class WholePath(str):
-    """A pattern that matches this path alone, whatever its signs."""
+    """A pattern that matches this path alone, whatever its signs. It is not equal to the same text as a pattern."""
 
     __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, WholePath) and str.__eq__(self, other)
+
+    def __hash__(self) -> int:
+        return hash((WholePath, str(self)))
 
 
 @dataclass(frozen=True)
