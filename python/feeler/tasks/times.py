@@ -264,7 +264,7 @@ def idle_patterns(times: Times, paths: Iterable[str]) -> tuple[str, ...]:
 def _is_named(path: str, pattern: str) -> bool:
     """Whether a path, or its last step, matches a pattern."""
     if isinstance(pattern, WholePath):
-        return path == pattern
+        return path == str(pattern)
     return any(fnmatch.fnmatchcase(name, pattern) for name in (path, path.rsplit("/", 1)[-1]))
 
 
