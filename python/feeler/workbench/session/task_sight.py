@@ -30,6 +30,8 @@ LEAST_M = 0.06
 SHOWN_M = 0.6
 """Parts farther from the head than this are not drawn, metres."""
 MOST_NAMED = 3
+NEARLY = 0.1
+"""The picture may show so much less of the head than the best eye sees."""
 
 
 def gone_before(steps: Sequence[TaskStepFacts], ways: Sequence[WayFacts], number: int) -> set[int]:
@@ -50,7 +52,8 @@ def seen_at(scene: Scene, part: int) -> TaskSight | None:
     row = rows[0]
     eyes = eyes_over(row)
     found = sight(scene, Fasteners([row]), eyes)[0]
-    best = 0 if found.eye is None else found.eye
+    # Of eyes that see nearly as much the one that looks most along the axis: the last ones are the highest.
+    best = int(np.flatnonzero(found.shares >= found.share - NEARLY)[-1])
     numbers: Mapping[str, int] = {path: each for each, path in enumerate(scene.mockup.part_paths)}
     hidden = [path for path, _ in found.hidden_by if path != row.path]
     return {
