@@ -80,14 +80,14 @@ def test_a_table_of_times_plans_all_tasks_again(world: feeler.Mockup) -> None:
     ("toml", "says"),
     [
         ("[elements]\nfly = 1.0\n", "elements has 'fly': an element is one of"),
-        ("[elements", "times: not valid TOML"),
+        ("[elements", "ours.toml: not valid TOML"),
         ("x" * 90_001, "it is no text, or too long"),
     ],
 )
 def test_wrong_tables_say_why(world: feeler.Mockup, toml: str, says: str) -> None:
     bench = Bench(mockup=world)
     with pytest.raises(WorkbenchError, match=says):
-        bench.command("task_times", toml=toml)
+        bench.command("task_times", toml=toml, name="ours.toml")
     assert bench.document["task_times"] == {"name": "", "given": 0}
 
 

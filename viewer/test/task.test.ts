@@ -9,6 +9,7 @@ import {
   minutesText,
   parseSeconds,
   seatedStep,
+  sightText,
   ticksOf,
 } from "../src/model/task";
 
@@ -85,4 +86,14 @@ test("a tool is in its seat at the beginning of its step, and what is out before
   assert.deepEqual(goneParts(film, cards, answers, ["a", "b", "c", "d"]), [2, 3]);
   assert.deepEqual(goneParts({ ...film, card: 8 }, cards, answers, []), []);
   assert.deepEqual(goneParts(null, cards, answers, []), []);
+});
+
+test("what is seen of a fastener is said as a share that is never rounded to all or nothing", () => {
+  assert.deepEqual([0, 1e-3, 0.5, 0.999, 1].map(sightText), [
+    "Not visible from any side",
+    "1 % of it is visible",
+    "50 % of it is visible",
+    "99 % of it is visible",
+    "Fully visible",
+  ]);
 });

@@ -41,6 +41,8 @@ Floats = npt.NDArray[np.float64]
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
+_METHODS = {"out": "nothing is around it"}
+"""Of ways without a leg, in words."""
 
 
 def task(
@@ -320,7 +322,7 @@ class _Planner:
             self._learn(step, found)
             return None
         method = found.certificate.method
-        said = "; ".join(str(leg) for leg in found.legs) or method
+        said = "; ".join(str(leg) for leg in found.legs) or _METHODS.get(method, method)
         return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), said)
 
     def _left(self, step: Ordered, out: frozenset[int]) -> tuple[int, ...]:

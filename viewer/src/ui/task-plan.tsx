@@ -147,7 +147,7 @@ function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; 
           <dd>{`${clockText(step.seconds)} ± ${clockText(step.spread)}${step.is_typed ? ", typed" : ""}`}</dd>
         </div>
       </dl>
-      <p class="note">{step.arithmetic}</p>
+      <p class="note">{step.arithmetic.replaceAll("+-", "±")}</p>
       {step.verb !== "take out" && <Sight card={card.id} task={task} number={number} />}
       <p class="note">{step.because}</p>
       <div class="button-row">

@@ -49,11 +49,12 @@ def task_times(document: Document, given: Arguments, known: Known) -> Document:
         raise given.fail("toml", "it is no text, or too long", f"send at most {MOST_TIMES:,} characters")
     if not toml.strip():
         return replace(document, task_times=TaskTimes())
+    name = given.text("name")[:MOST_NAME] if given.has("name") else "times"
     try:
         table = Times.parse(toml)
     except LoadError as error:
-        raise given.fail("toml", str(error), "docs/task.md has the form") from None
-    name = given.text("name")[:MOST_NAME] if given.has("name") else "times"
+        said = str(error).removeprefix("times: ")
+        raise given.fail("toml", f"{name}: {said}", "docs/task.md has the form") from None
     return replace(document, task_times=TaskTimes(name, toml, len(table.elements) - len(table.examples)))
 
 
