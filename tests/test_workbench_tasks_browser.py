@@ -34,7 +34,8 @@ def order(page: Any) -> list[str]:
 
 def edited(page: Any, count: int) -> None:
     """Waits until the card has so many edits, and its plan."""
-    wait(page, "count => Object.values(window.feeler.document.cards.at(-1).edits).flat().length === count", count)
+    edits = "const { off, times, before } = window.feeler.document.cards.at(-1).edits"
+    wait(page, f"count => {{ {edits}; return [...off, ...times, ...before].length === count }}", count)
     wait(page, DONE)
 
 
@@ -114,7 +115,7 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
             panel.get_by_text(said).wait_for()
             page.wait_for_timeout(200)
         wait(page, DONE)
-        assert "1 min" in rows.nth(1).inner_text() and "ours.toml: elements has 'fly'" in page.inner_text("body")
+        assert "2 min" in rows.nth(1).inner_text() and "ours.toml: elements has 'fly'" in page.inner_text("body")
         panel.get_by_role("button", name="Use the example times").click()
         panel.get_by_text("Times are examples").wait_for()
 
