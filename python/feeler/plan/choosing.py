@@ -182,7 +182,7 @@ def _length(pieces: Pieces) -> Hashable:
     return tuple(each.size for each in pieces[1:-1])
 
 
-@dataclass
+@dataclass(eq=False)  # it holds an array
 class _Tried:
     """The tools that fit one fastener, one after the other.
 

@@ -1444,10 +1444,7 @@ export interface Commands {
     readonly seconds?: number;
     readonly later?: Selection;
   };
-  /**
-   * Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again; an empty one
-   * takes the examples again.
-   */
+  /** Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again. */
   readonly task_times: { readonly toml: string; readonly name?: string };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
