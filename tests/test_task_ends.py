@@ -141,7 +141,7 @@ def test_ctrl_c_ends_with_the_best_plan_so_far(lidded: feeler.Scene, tmp_path: P
 def test_ctrl_c_before_any_plan_says_the_bound(lidded: feeler.Scene) -> None:
     early = interrupted(lidded, "searching the quickest order")
     assert early.steps == () and math.isnan(early.seconds) and early.bound == 0.0
-    assert early.said == "no plan so far; no plan is below 0 s"
+    assert early.said == "no plan so far"
 
 
 def test_the_command_prints_the_best_so_far(

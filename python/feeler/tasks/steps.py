@@ -170,7 +170,7 @@ class TaskFacts:
         """Of an interrupted search."""
         least = f"no plan is below {clock(self.bound)}"
         if not self.steps:
-            return f"no plan so far; {least}"
+            return f"no plan so far; {least}" if self.bound > 0.0 else "no plan so far"
         total = f"{plural(len(self.steps), 'step')}, {clock(self.seconds)} +- {clock(self.spread)}"
         return f"best so far: {total}, its ways not checked; {least}"
 
