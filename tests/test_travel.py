@@ -431,6 +431,7 @@ def test_errors_of_variants_travel_with_what_was_found() -> None:
         (feeler.RemovalsInterrupted, ("removals", "Removals")),
         (feeler.RemovalOrderInterrupted, ("order", "RemovalOrder")),
         (feeler.AccessInterrupted, ("access", "Access")),
+        (feeler.TaskInterrupted, ("task", "Task")),
         (feeler.MaintenanceInterrupted, ("maintenance", "Maintenance")),
     ],
 )

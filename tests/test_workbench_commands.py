@@ -361,6 +361,7 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "edit": st.sampled_from(["off", "on", "time", "before", "free", "never"]),
     "seconds": st.floats(-1.0, 100.0),
     "later": st.integers(0, 5),
+    "toml": st.sampled_from(["", "[elements]\nget = 1.0\n", "not toml"]),
 }
 # Undo leaves cards as they are.
 STEPS = st.sampled_from(sorted(name for name, command in COMMANDS.items() if not command.is_of_cards)).flatmap(

@@ -121,7 +121,12 @@ def test_edits_change_the_plan_and_undo_takes_them_back(world: feeler.Mockup) ->
     bench.command("task_edit", id=number, edit="off", parts=first)
     assert order(bench, number) == [second], "what is asked for can be off, too"
     edits = bench.document["cards"][0]["edits"]
-    assert edits == {"off": sorted([first, "lid"]), "times": [[second, 100.0]], "before": [[second, first]]}
+    assert edits == {
+        "off": sorted([first, "lid"]),
+        "times": [[second, 100.0]],
+        "before": [[second, first]],
+        "table": "",
+    }
     for expected in ([second, first], ["lid", second, first], ["lid", second, first], ["lid", first, second]):
         bench.command("undo")
         assert order(bench, number) == expected

@@ -34,7 +34,8 @@ def order(page: Any) -> list[str]:
 
 def edited(page: Any, count: int) -> None:
     """Waits until the card has so many edits, and its plan."""
-    wait(page, "count => Object.values(window.feeler.document.cards.at(-1).edits).flat().length === count", count)
+    edits = "const { off, times, before } = window.feeler.document.cards.at(-1).edits"
+    wait(page, f"count => {{ {edits}; return [...off, ...times, ...before].length === count }}", count)
     wait(page, DONE)
 
 
@@ -62,6 +63,10 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
         settled(page)
         assert differing(picture(page), at_first) > 0.01
         assert "strokes" in panel.inner_text() and "turns; at" in panel.inner_text()
+        inset = panel.locator(".task-sight img")
+        inset.wait_for()
+        assert inset.evaluate("each => each.complete && each.naturalWidth > 0")
+        assert "visible" in panel.locator(".task-sight figcaption").inner_text()
         keep(page.screenshot(), "task.png")
         panel.get_by_label("Speed").select_option("4")
         panel.get_by_role("button", name="Play").click()
@@ -96,6 +101,23 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
             page.keyboard.press("Control+z")
         edited(page, 0)
         assert [step[2:] for step in order(page)] == ["take out lid", "undo left", "undo right"]
+
+        # A table of times plans again; a wrong one says what is wrong, and changes nothing.
+        table = files[0].with_name("ours.toml")
+        for text, said in (
+            ("[elements]\nfly = 1\n", "Times are examples"),
+            ("[elements]\nget = 90\n", "1 of 9 elements"),
+        ):
+            table.write_text(text, encoding="utf-8")
+            with page.expect_file_chooser() as chosen:
+                panel.get_by_role("button", name="Open times").click()
+            chosen.value.set_files(table)
+            panel.get_by_text(said).wait_for()
+            page.wait_for_timeout(200)
+        wait(page, DONE)
+        assert "2 min" in rows.nth(1).inner_text() and "ours.toml: elements has 'fly'" in page.inner_text("body")
+        panel.get_by_role("button", name="Use the example times").click()
+        panel.get_by_text("Times are examples").wait_for()
 
         axe = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
         if axe.is_file():

@@ -332,7 +332,7 @@ ROOMS: dict[str, set[str]] = {
     # Clearances that must hold.
     "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.
-    "agent": {*BASE, "clashes", "io", "picture", "plan", "samples"},
+    "agent": {*BASE, "clashes", "io", "picture", "plan", "samples", "tasks"},
     "cli": {
         *(
             *BASE,

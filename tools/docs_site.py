@@ -101,7 +101,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
     "task": (
         "Maintenance tasks",
         [
-            *("task", "Task", "TaskStep", "TaskBlocker", "Times"),
+            *("task", "Task", "TaskStep", "TaskBlocker", "TaskInterrupted", "Times"),
             *("holds", "Hold", "Holds", "sight", "eyes_in", "Sight", "Seen"),
             *("maintain", "Maintenance", "MaintainRow", "MaintainChange", "MaintenanceInterrupted", "load_maintenance"),
         ],

@@ -100,7 +100,7 @@ if _typing.TYPE_CHECKING:
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
     from feeler.spreading import WorkerLost
-    from feeler.tasks.answer import Task
+    from feeler.tasks.answer import Task, TaskInterrupted
     from feeler.tasks.holding import Hold, Holds, holds
     from feeler.tasks.night_rows import MaintainRow
     from feeler.tasks.nightly import maintain
@@ -203,6 +203,7 @@ __all__ = [
     "Source",
     "Task",
     "TaskBlocker",
+    "TaskInterrupted",
     "TaskStep",
     "Times",
     "Tool",
@@ -433,7 +434,7 @@ _HOMES = {
         "Holds",
         "holds",
     ),
-    "feeler.tasks.answer": ("Task",),
+    "feeler.tasks.answer": ("Task", "TaskInterrupted"),
     "feeler.tasks.nightly": ("maintain",),
     "feeler.tasks.planning": ("task",),
     "feeler.tasks.night_rows": ("MaintainRow",),

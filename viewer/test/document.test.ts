@@ -46,6 +46,7 @@ const DOCUMENT: Document = {
   findings: null,
   cards: [],
   clash: { clearance: 0.002, contact: 0, rules: "" },
+  task_times: { name: "", given: 0 },
   requirements: [],
   material: null,
   doubts: [],

@@ -9,6 +9,7 @@ import {
   minutesText,
   parseSeconds,
   seatedStep,
+  sightText,
   ticksOf,
 } from "../src/model/task";
 
@@ -79,10 +80,20 @@ test("a tool is in its seat at the beginning of its step, and what is out before
   assert.equal(seatedStep(answer, 1, 0), 1);
   assert.equal(seatedStep(answer, 1, 0.9), null);
   assert.equal(seatedStep(undefined, 0, 0), null);
-  const cards = [{ id: 7, question: "task" as const, edits: { off: ["c"], times: [], before: [] } }];
+  const cards = [{ id: 7, question: "task" as const, edits: { off: ["c"], times: [], before: [], table: "" } }];
   const film = { card: 7, step: 1, share: 0, is_playing: false };
   const answers = new Map([[7, answer]]);
   assert.deepEqual(goneParts(film, cards, answers, ["a", "b", "c", "d"]), [2, 3]);
   assert.deepEqual(goneParts({ ...film, card: 8 }, cards, answers, []), []);
   assert.deepEqual(goneParts(null, cards, answers, []), []);
+});
+
+test("what is seen of a fastener is said as a share that is never rounded to all or nothing", () => {
+  assert.deepEqual([0, 1e-3, 0.5, 0.999, 1].map(sightText), [
+    "Not visible from any side",
+    "1 % of it is visible",
+    "50 % of it is visible",
+    "99 % of it is visible",
+    "Fully visible",
+  ]);
 });

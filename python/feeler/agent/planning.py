@@ -11,14 +11,16 @@ from feeler.agent.answers import AT_LEAST, part_name, part_names, point
 from feeler.agent.job import Job
 from feeler.agent.queries import MOST_ROWS, Answer, Given
 from feeler.agent.served import Served
+from feeler.agent.tasks import tool_or_catalogue
 from feeler.clashes import Clash, Clashes, ClashInterrupted, Verdict
 from feeler.clashes import clash as clash_check
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
 from feeler.plan.blocked import Blocker
+from feeler.plan.catalogue import Catalogue
 from feeler.plan.fasteners import Fasteners, find_fasteners
 from feeler.plan.order import removal_order
-from feeler.plan.reaching import Access, AccessInterrupted, Reach
+from feeler.plan.reaching import SWING_DEG, Access, AccessInterrupted, Reach
 from feeler.plan.reaching import access as reach
 from feeler.plan.removal import Removal
 from feeler.plan.removal import removal as way_out
@@ -190,7 +192,7 @@ def order(served: Served, given: Given, job: Job) -> Answer:
 
 def access(served: Served, given: Given, job: Job) -> Answer:
     """Whether a tool reaches each fastener, and how far it swings there."""
-    tool = served.tool(given["tool"])
+    tool = tool_or_catalogue(served, given["tool"])
     hand = None if given["hand"] is None else served.tool(given["hand"])
     scene = served.standing(given)
     targets = None if given["targets"] is None else served.present("targets", given["targets"])
@@ -227,7 +229,7 @@ def _reached(
             scene,
             tool,
             bolts,
-            given["swing_deg"],
+            _swing(tool, given["swing_deg"]),
             hand=hand,
             approach=given["approach_m"],
             grip=given["grip"],
@@ -239,6 +241,11 @@ def _reached(
     return (bolts, found), not found.is_partial
 
 
+def _swing(tool: Any, needed: float | None) -> float | None:
+    """Each tool of a catalogue says what it needs."""
+    return SWING_DEG if needed is None and not isinstance(tool, Catalogue) else needed
+
+
 def _reach(mockup: Mockup, row: Reach, bolts: dict[int, Any]) -> Answer:
     bolt = None if row.part is None else bolts.get(row.part)
     answer: Answer = {
@@ -247,6 +254,8 @@ def _reach(mockup: Mockup, row: Reach, bolts: dict[int, Any]) -> Answer:
         "reachable": row.is_reachable,
         "swing_deg": row.swing_deg,
     }
+    if row.is_reachable:
+        answer["tool"] = row.tool
     if not row.is_reachable:
         blockers: tuple[Blocker, ...] = row.blockers[:_BLOCKERS]
         answer |= {

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from feeler.agent import pictures, planning, queries
+from feeler.agent import pictures, planning, queries, tasks
 from feeler.agent.answers import AT_LEAST, AT_MOST, ESTIMATE, EXACT, Field, Fields, finished
 from feeler.agent.inputs import Argument, Flag, Many, Names, Number, Pose, Record, Text, Triple, Whole, Word
 from feeler.agent.inputs import read_arguments as read
@@ -16,6 +16,8 @@ from feeler.choices import FASTENER_KINDS, GRIP_AXES, TOUCHINGS
 from feeler.clashes import Verdict
 from feeler.errors import OptionError
 from feeler.scene import CAST_TOLERANCE
+from feeler.tasks.planning import MOST_PEOPLE
+from feeler.tasks.times import EXAMPLES, LONGEST_S
 
 QUICK_S = 60.0
 """Tools without `seconds` end after this time."""
@@ -23,6 +25,7 @@ MOST_S = 600.0
 """The largest `seconds`."""
 MOST_POSES = 1_000
 MOST_RAYS = 1_000
+MOST_EYES = 200
 LARGEST_ANSWER_M = 1e4
 """The largest distance up to which a query looks."""
 LARGEST_CLEARANCE_M = 0.1
@@ -92,6 +95,7 @@ _POSE = Argument(
 _MOVING = {"tool": _TOOL, "part": _PART, "without": _WITHOUT}
 _TOUCHING = Argument(Word(TOUCHINGS), "free: bodies may touch and slide, and only entering counts", "counts")
 _SECONDS = Number("seconds, above 0 up to 600", above=0.0, most=MOST_S)
+_ELEMENT = Number("seconds, 0 to 1e6", 0.0, LONGEST_S)
 _LENGTH = Number(f"metres, 0 to {LARGEST_ANSWER_M:g}", least=0.0, most=LARGEST_ANSWER_M)
 
 _NEAR = Number(f"metres, 0 to {LARGEST_CLEARANCE_M:g}", least=0.0, most=LARGEST_CLEARANCE_M)
@@ -470,7 +474,8 @@ _ALL = [
         {
             "tool": Argument(
                 Text("the name of a tool"),
-                "the tool, by its name in `info`, or sample:hand; its z axis points out of the joint",
+                "the tool, by its name in `info`, or sample:hand, its z axis out of the joint; or catalogue: of usual "
+                "tools the first that fits by drive and size and reaches",
             ),
             "targets": Argument(Names(), f"only fasteners among these: {_NAMES}", None),
             "kind": Argument(Word(FASTENER_KINDS), "only this kind of fastener", None),
@@ -482,7 +487,11 @@ _ALL = [
             "lift_m": Argument(
                 Number("metres, -1000 to 1000", -1e3, 1e3), "how far the tool sits above the top of the head", 0.0
             ),
-            "swing_deg": Argument(Number("degrees, above 0 up to 360", above=0.0, most=360.0), "required swing", 60.0),
+            "swing_deg": Argument(
+                Number("degrees, above 0 up to 360", above=0.0, most=360.0),
+                "required swing; default: 60, or what each tool of the catalogue needs",
+                None,
+            ),
             "approach_m": Argument(
                 Number("metres, above 0 up to 10", above=0.0, most=10.0), "length of the way in", 0.1
             ),
@@ -503,10 +512,107 @@ _ALL = [
                     "fastener": Field("string", "bolt, screw, nut or stud", ESTIMATE),
                     "reachable": Field("boolean", "whether it is reachable", f"{EXACT} if true; false proves nothing"),
                     "swing_deg": Field("number", "the largest free swing", AT_LEAST),
+                    "tool": Field("string", "the tool that reaches it"),
                     "because": Field("string", "the reason"),
                     "looked_m": Field("number", "over which distance a way in was searched"),
                     "drawn_m": Field("number", "how far the tool came out", AT_LEAST),
                     "blockers": Field("names", "parts in the way, most frequent first"),
+                },
+            ),
+        },
+        is_long=True,
+    ),
+    Tool(
+        "task",
+        "How are parts taken out, with which tools, in how long?",
+        "Plans how parts are taken out: which fasteners are undone, with which tool and how many strokes, which parts "
+        "go first, and how long it takes. The best plan found, and a time that no plan of this model is below.",
+        tasks.task,
+        {
+            "parts": Argument(Names(), f"take these out, together: {_NAMES}"),
+            "without": _WITHOUT,
+            "keep": Argument(Names(), f"parts that must stay: {_NAMES}", None),
+            "tool": Argument(
+                Text("the name of a tool"),
+                "catalogue: usual tools by drive and size; none: reach is not checked; or a tool by its name in `info`",
+                tasks.CATALOGUE,
+            ),
+            "times": Argument(
+                Record(dict.fromkeys(EXAMPLES, _ELEMENT), (), f"an object of seconds: {', '.join(EXAMPLES)}"),
+                "seconds of elements of a step, instead of the built-in examples",
+                None,
+            ),
+            "people": Argument(Whole(1, MOST_PEOPLE), "how many work at once", 1),
+            "seconds": Argument(_SECONDS, "time limit; then the best plan so far is returned", 120.0),
+            "offset": _OFFSET,
+        },
+        {
+            "found": Field("boolean", "whether they come out", f"{EXACT} if true; false proves nothing"),
+            "complete": Field("boolean", "false: the search ended at a limit; there may be a quicker plan"),
+            "said": Field("string", "the result in a sentence"),
+            "seconds": Field("number", "of the best plan that was found", AT_MOST),
+            "spread_seconds": Field("number", "its standard deviation"),
+            "bound_seconds": Field("number", "no plan of this model takes less", AT_LEAST),
+            "tools": Field("names", "the tools that are used"),
+            "steps": Field("integer", "number of steps; without `found`, their ways were not checked"),
+            "blocked": Field(
+                "array",
+                "what nothing frees, if no plan was found",
+                None,
+                {
+                    "part": Field("string", "the part"),
+                    "because": Field("string", "why"),
+                    "blockers": Field("names", "parts in its way"),
+                },
+            ),
+            "notes": Field("names", "what to know of the plan, such as times that are examples"),
+            "rows": Field(
+                "array",
+                "the steps in order",
+                None,
+                {
+                    "step": Field("integer", "its number, from 1"),
+                    "verb": Field("string", "undo, disconnect (it stays on its pipe), or take out"),
+                    "parts": Field("names", "the parts that leave"),
+                    "part_count": Field("integer", "how many"),
+                    "tool": Field("string", "the tool"),
+                    "swing_deg": Field("number", "its free swing", AT_LEAST),
+                    "strokes": Field("integer", "its strokes", AT_MOST),
+                    "person": Field("integer", "who does it, from 1; left out for the first"),
+                    "start_seconds": Field("number", "when it begins"),
+                    "seconds": Field("number", "how long it takes"),
+                    "arithmetic": Field("string", "how its time adds up"),
+                },
+            ),
+        },
+        is_long=True,
+    ),
+    Tool(
+        "sight",
+        "Are the fasteners seen?",
+        "How much of the heads of bolts, screws and nuts is seen: from given eyes, or from the best place on a half "
+        "sphere of 0.35 m over each. The least seen come first.",
+        tasks.sight,
+        {
+            "targets": Argument(Names(), f"only fasteners among these: {_NAMES}", None),
+            "eyes_m": Argument(
+                Many(Triple("a point"), "a list of points", 1, MOST_EYES), "where the eyes may be, metres", None
+            ),
+            "without": _WITHOUT,
+            "seconds": Argument(_SECONDS, "time limit", 120.0),
+            "offset": _OFFSET,
+        },
+        {
+            "targets": Field("integer", "fasteners that were found", ESTIMATE),
+            "hidden": Field("integer", "of which nothing is seen"),
+            "rows": Field(
+                "array",
+                "a row for each fastener, the least seen first",
+                None,
+                {
+                    "part": Field("string", "the fastener"),
+                    "share": Field("number", "of its head, by 64 points: 0 to 1", ESTIMATE),
+                    "hidden_by": Field("names", "parts in front of the rest, the worst first"),
                 },
             ),
         },

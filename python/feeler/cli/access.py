@@ -314,6 +314,7 @@ def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Acces
                 **row,
                 "reachable": reach.is_reachable,
                 "tool": reach.tool,
+                "nearest": reach.nearest,
                 "swing_deg": reach.swing_deg,
                 "angle_deg": reach.angle_deg,
                 "stroke_deg": reach.stroke_deg,
@@ -399,7 +400,7 @@ def _print(
         outputs.print_finding(out, line)
     out.print()
     has_kind = any("kind" in row for row in rows)
-    has_tools = len({row["tool"] for row in rows}) > 1 or any(row["tried"] for row in rows)
+    has_tools = len({row["tool"] for row in rows if row["tool"]}) > 1 or any(row["tried"] for row in rows)
     has_eyes = any(row["seen"] == row["seen"] for row in rows)
     # Unreachable targets come first.
     order = sorted(rows, key=lambda row: (row["reachable"], row["target"]))

@@ -50,9 +50,10 @@ def _used(tool: Tool | Catalogue, row: Reach, hand: Tool | None) -> Tool | None:
     """The tool at a target, with its hand; None if none of a catalogue fits."""
     place = np.eye(4)
     if isinstance(tool, Catalogue):
-        if row.tool is None:
+        name = row.tool or row.nearest
+        if name is None:
             return None
-        pieces = tool.pieces(row.tool)
+        pieces = tool.pieces(name)
         tool, place = tool_of(pieces), shaped(pieces).grip
     return tool if hand is None else Tool.assembly({"tool": tool, "hand": (hand, place)}, name=tool.name)
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
@@ -146,42 +148,106 @@ def room_of(
 def choose(
     scene: Scene, chosen: Chosen, target: int, fastener: Fastener, frame: Floats, shape: HeadShape, turns: float
 ) -> Reach:
-    """The first tool that reaches a fastener; if none does, the one that came nearest.
+    """The first tool that reaches a fastener; if none does, the one that came nearest."""
+    return _Tried(scene, chosen, target, fastener, frame, shape, turns).first()
+
+
+def quicker(
+    scene: Scene, chosen: Chosen, fastener: Fastener, shape: HeadShape, turns: float, enough: int
+) -> list[Reach]:
+    """The tools that reach a fastener and may be the quickest, alone or because they are in hand.
+
+    These are the first that reaches, with those of the same length, and of longer ones and other kinds those that need
+    fewer strokes than all before, up to one that needs `enough` or fewer. If none reaches: what `choose` says, alone.
+    The last row has all that were tried.
+    """
+    tried = _Tried(scene, chosen, 0, fastener, fastener.frame, shape, turns)
+    found: list[Reach] = []
+    fewest = math.inf
+    for _, group in groupby(tried.rows(), key=lambda each: _length(each[0])):
+        rows = [row for _, row in group if row.is_reachable and (row.strokes or 0) < fewest]
+        found += rows
+        fewest = min([fewest, *(row.strokes or 0 for row in rows)])
+        if fewest <= enough:
+            break
+    if found:
+        found[-1] = replace(found[-1], tried=tuple(tried.tried))
+    return found or [tried.nearest()]
+
+
+def _length(pieces: Pieces) -> Hashable:
+    """Equal for tools of one length: chains with equal extensions, and tools of one kind."""
+    if len(pieces) == 1:
+        return pieces[0].kind
+    return tuple(each.size for each in pieces[1:-1])
+
+
+@dataclass(eq=False)  # it holds an array
+class _Tried:
+    """The tools that fit one fastener, one after the other.
 
     A chain contains its first pieces, so where these collide at every angle, it does too.
     """
-    fitting = chosen.catalogue.fitting(fastener.drive, fastener.across_flats, fastener.size)
-    if not fitting:
-        return _without_tool(target, fastener, frame, _no_fit(chosen.catalogue, fastener))
-    head = fastener.length if fastener.kind == "nut" else fastener.head_height
-    aligned = 360.0 / SIDES[fastener.drive] if fastener.drive in SIDES else None
-    tried: list[TriedTool] = []
-    stems: dict[Pieces, bool] = {}
+
+    scene: Scene
+    chosen: Chosen
+    target: int
+    fastener: Fastener
+    frame: Floats
+    shape: HeadShape
+    turns: float
+    tried: list[TriedTool] = field(default_factory=list)
+    """Those that do not reach, so far."""
     best: Reach | None = None
-    for pieces in fitting:
-        for depth in depths_of(pieces[0], head):
-            seat = shifted(frame @ turned(shape.to_flats), -depth * frame[:3, 2])
-            if _is_blocked(scene, pieces, depth, shape, seat, fastener.part, stems, tried):
-                continue
-            seated = replace(chosen.seated(pieces), depth=max(0.0, depth), aligned_deg=aligned)
-            row = ReachQuestion(scene, seated, chosen.search_of(pieces)).reach(target, seat, fastener.part)
-            row = replace(row, angle_deg=(row.angle_deg + shape.to_flats) % 360.0)
-            if row.is_reachable:
-                return _stroked(row, pieces[-1].step_deg, turns, tuple(tried))
-            tried.append(TriedTool(name_of(pieces), row.because, row.blockers))
-            if best is None or (row.drawn, row.swing_deg) > (best.drawn, best.swing_deg):
-                best = row
-    counts: Counter[tuple[int, str]] = Counter()
-    for each in tried:
-        counts.update({(block.part, block.path): block.count for block in each.blockers})
-    blockers = tuple(Blocker(part, path, count) for (part, path), count in worst_first(counts))
-    many = len(fitting)
-    of = f"none of the {many} tools that fit reaches it" if many > 1 else "the tool that fits does not reach it"
-    if best is None:
-        because = f"{of}: {tried[0].tool}: {tried[0].because}"
-        return replace(_without_tool(target, fastener, frame, because), blockers=blockers, tried=tuple(tried))
-    because = f"{of}; nearest came {best.tool}: {best.because}"
-    return replace(best, because=because, blockers=blockers, tried=tuple(tried))
+    """Of these the one that came nearest."""
+
+    def __post_init__(self) -> None:
+        row = self.fastener
+        self.fitting = self.chosen.catalogue.fitting(row.drive, row.across_flats, row.size)
+
+    def first(self) -> Reach:
+        """The first that reaches, or the nearest."""
+        return next((row for _, row in self.rows() if row.is_reachable), None) or self.nearest()
+
+    def rows(self) -> Iterator[tuple[Pieces, Reach]]:
+        """The answers of those that are not blocked at every angle."""
+        row, shape = self.fastener, self.shape
+        head = row.length if row.kind == "nut" else row.head_height
+        aligned = 360.0 / SIDES[row.drive] if row.drive in SIDES else None
+        stems: dict[Pieces, bool] = {}
+        for pieces in self.fitting:
+            for depth in depths_of(pieces[0], head):
+                seat = shifted(self.frame @ turned(shape.to_flats), -depth * self.frame[:3, 2])
+                if _is_blocked(self.scene, pieces, depth, shape, seat, row.part, stems, self.tried):
+                    continue
+                seated = replace(self.chosen.seated(pieces), depth=max(0.0, depth), aligned_deg=aligned)
+                question = ReachQuestion(self.scene, seated, self.chosen.search_of(pieces))
+                found = question.reach(self.target, seat, row.part)
+                found = replace(found, angle_deg=(found.angle_deg + shape.to_flats) % 360.0)
+                if found.is_reachable:
+                    yield pieces, _stroked(found, pieces[-1].step_deg, self.turns, tuple(self.tried))
+                    break
+                self.tried.append(TriedTool(name_of(pieces), found.because, found.blockers))
+                best = self.best
+                if best is None or (found.drawn, found.swing_deg) > (best.drawn, best.swing_deg):
+                    self.best = found
+
+    def nearest(self) -> Reach:
+        """Once none has reached: the answer of the one that came nearest, without a tool."""
+        target, row, frame, tried, best = self.target, self.fastener, self.frame, self.tried, self.best
+        if not self.fitting:
+            return _without_tool(target, row, frame, _no_fit(self.chosen.catalogue, row))
+        counts: Counter[tuple[int, str]] = Counter()
+        for each in tried:
+            counts.update({(block.part, block.path): block.count for block in each.blockers})
+        blockers = tuple(Blocker(part, path, count) for (part, path), count in worst_first(counts))
+        many = len(self.fitting)
+        of = f"none of the {many} tools that fit reaches it" if many > 1 else "the tool that fits does not reach it"
+        if best is None:
+            because = f"{of}: {tried[0].tool}: {tried[0].because}"
+            return replace(_without_tool(target, row, frame, because), blockers=blockers, tried=tuple(tried))
+        because = f"{of}; nearest came {best.tool}: {best.because}"
+        return replace(best, tool=None, nearest=best.tool, because=because, blockers=blockers, tried=tuple(tried))
 
 
 def _is_blocked(

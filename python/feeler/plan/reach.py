@@ -58,8 +58,9 @@ class Reach(OldAttributes):
     blockers: tuple[Blocker, ...]
     """The blockers, most frequent first."""
     tool: str | None = None
-    """The name of the tool: of a catalogue the first that reaches, or else the one that came nearest; None if none
-    fits."""
+    """The name of the tool that reaches it, of a catalogue the first that does; None if none does."""
+    nearest: str | None = None
+    """If none does: the name of the tool that came nearest, whose swing and pose these are; None if none fits."""
     stroke_deg: float = 0.0
     """The share of the swing that one stroke uses, degrees: of a catalogue's tool a multiple of its steps."""
     strokes: int | None = None

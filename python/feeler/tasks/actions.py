@@ -14,6 +14,7 @@ from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph
 from feeler.plan.question import TARGET, Clock, Question
 from feeler.plan.sequence import Exit
 from feeler.scene import Scene
+from feeler.tasks.ahead import Ahead
 from feeler.tasks.elastic import Rings
 from feeler.tasks.fixings import Fixing, Fixings
 from feeler.tasks.reached import Reached, Reaching, Tooled
@@ -97,9 +98,16 @@ class Actions:
     """The actions of a scene, as `Search` asks for them."""
 
     def __init__(
-        self, question: Together, clock: Clock, fixings: Fixings, reaching: Reaching, times: Arithmetic
+        self,
+        question: Together,
+        clock: Clock,
+        fixings: Fixings,
+        reaching: Reaching,
+        times: Arithmetic,
+        ahead: Ahead,
     ) -> None:
         self.question, self.clock, self.fixings, self.reaching, self.times = question, clock, fixings, reaching, times
+        self.ahead = ahead
         self.graph = _Graph(question, clock, fixings)
         self.rings = self.graph.rings
         self.get_seconds = times.elements["get"].mean
@@ -108,10 +116,17 @@ class Actions:
         self.quickest = min([by_hand + times.elements["aside"].mean, *typed])
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
+        self._most: dict[int, frozenset[int]] = {}
         self._needed: dict[int, frozenset[int]] = {}
         self._holders: dict[int, list[frozenset[int]]] = {}
         self.met: dict[int, frozenset[int]] = {}
         """Of each fastener that a kept part stops on its axis: that part."""
+
+    def know(self, other: Actions) -> None:
+        """Takes over what other actions of the same question found of the geometry."""
+        self.graph, self.rings, self._axis, self.met = other.graph, other.rings, other._axis, other.met
+        self._most, self._holders = other._most, other._holders
+        self.graph.clock = self.clock
 
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener that a tool turns."""
@@ -147,6 +162,19 @@ class Actions:
         answer = self.answer(item, out)
         choices = [Choice(each.tool, self.undone(item, each).mean, each) for each in answer.tooled]
         return choices, self._nodes(answer.blockers) - {item}
+
+    def expect(self, items: Sequence[int], out: frozenset[int] | None) -> None:
+        """As `Problem`."""
+        if not self.ahead.has_workers:
+            return
+        questions = []
+        for item in items:
+            if self.is_turned(item):
+                fixing = self.fixings.of(item)
+                assert fixing.row is not None
+                gone = self.gone(self._most_out(item) if out is None else out - {item}) - {item}
+                questions.append((fixing.row, gone, fixing.turns.count))
+        self.ahead.reach(questions)
 
     def answer(self, item: int, out: frozenset[int]) -> Reached:
         """With which tools a fastener is reached while items are out."""
@@ -197,8 +225,8 @@ class Actions:
             fixing = self.fixings.of(item)
             assert fixing.row is not None
             out = self.gone(self._most_out(item)) - {fixing.part}
-            tools = self.reaching.any_of(fixing.row, out, fixing.turns.count)
-            options = [self.undone(item, each).mean for each in tools]
+            best = self.reaching.at_best(fixing.row, out, fixing.turns.count)
+            options = [self.undone(item, each).mean for each in best.tooled]
             self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
         return self._least[item]
 
@@ -215,6 +243,8 @@ class Actions:
 
     def _most_out(self, item: int) -> frozenset[int]:
         """All items that can be out before a fastener is undone: not what it alone holds, nor what is kept."""
+        if item in self._most:
+            return self._most[item]
         question = self.question
         stays = {TARGET, item, *question.kept, *self.fixings.studs}
         alone = frozenset([item])
@@ -223,7 +253,8 @@ class Actions:
             if alone in self.holders(node):
                 stays.add(node)
         present = np.flatnonzero(question.scene.part_mask).tolist()
-        return frozenset(question.node_of(part) for part in present) - stays
+        self._most[item] = frozenset(question.node_of(part) for part in present) - stays
+        return self._most[item]
 
     def _nodes(self, parts: Iterable[int]) -> frozenset[int]:
         """The items that have to leave for parts to be gone, but those that are kept."""

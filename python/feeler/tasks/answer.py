@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 
+from feeler.mockup import Mockup
+from feeler.tasks.as_glb import SPEED, write_task_glb
 from feeler.tasks.gantt import write_html
 from feeler.tasks.steps import TaskFacts
 from feeler.tasks.workbook import write_xlsx
@@ -19,3 +21,25 @@ class Task(TaskFacts):
     def to_xlsx(self, path: str | os.PathLike[str]) -> None:
         """Writes a workbook: steps, totals, elements. Needs `feeler[xlsx]`. Raises `WriteError`, `OptionError`."""
         write_xlsx(path, self)
+
+    def to_glb(self, path: str | os.PathLike[str], mockup: Mockup, tools: object = None, speed: float = SPEED) -> int:
+        """Writes a film as GLB; returns its size in bytes. Parts that leave are blue, tools orange, parts nearby grey.
+
+        - `mockup`: that of the scene. `tools`: as `task` took them.
+        - `speed`: how many times as fast as the work the film runs.
+
+        Raises `WriteError`, and `OptionError` for another mock-up, other tools, or a task without a plan.
+        """
+        return write_task_glb(path, mockup, self, tools, speed)
+
+
+class TaskInterrupted(KeyboardInterrupt):
+    """Ctrl-C; `.task` has the best plan until then, if there was one, with `is_found` False: its ways were not checked.
+    Its `bound` is right: no plan is below."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        super().__init__(f"interrupted: {task.said}")
+
+    def __reduce__(self) -> tuple[type[TaskInterrupted], tuple[Task]]:
+        return (type(self), (self.task,))

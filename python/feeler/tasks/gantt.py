@@ -43,7 +43,7 @@ def write_html(path: str | os.PathLike[str], task: TaskFacts) -> None:
         f"<h1>{escape(title)}</h1>",
         f"<p{'' if task.is_found else ' class=blocked'}>{escape(task.said)}</p>",
         *(f'<p class="note">{escape(note)}</p>' for note in task.notes),
-        *(_found(task) if task.is_found else _blocked(task)),
+        *(_found(task) if task.steps else _blocked(task)),
         *_elements(task),
         "</body></html>",
     ]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,9 +11,10 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.plan.blocking import way_out
 from feeler.plan.question import Clock
-from feeler.plan.removal import Allowed, Removal, RemovalBlocker, not_tried, removal, way_from
+from feeler.plan.removal import Allowed, Removal, RemovalBlocker, not_tried, way_from
 from feeler.plan.sequence import Exit
 from feeler.tasks.actions import Actions
+from feeler.tasks.ahead import WayAsked
 from feeler.tasks.elastic import RingWay
 from feeler.tasks.rings import Slip
 from feeler.tasks.search import Unit
@@ -51,16 +51,28 @@ class Bent:
     number: int
 
 
+@dataclass(eq=False)
+class Searched:
+    """The ways that searches found, and where they found none."""
+
+    bent: dict[Bent, tuple[frozenset[int], Led]] = field(default_factory=dict)
+    """With the items that have to be out."""
+    tried: set[tuple[int, frozenset[int]]] = field(default_factory=set)
+    """Items, and the parts that were gone."""
+    shortest: dict[tuple[Unit, tuple[int, ...], frozenset[int]], Any] = field(default_factory=dict)
+    """Of a step, what leaves in it and what is gone, the direction in which it is out first."""
+
+
 class Leading:
     """Leads parts out, and remembers the ways that searches found."""
 
-    def __init__(self, actions: Actions, clock: Clock, is_shortest: bool) -> None:
-        """is_shortest: whether the shortest of the straight ways is taken, not one that waits for the fewest parts."""
+    def __init__(self, actions: Actions, clock: Clock, is_shortest: bool, searched: Searched) -> None:
+        """is_shortest: whether the shortest of the straight ways is taken, not one that waits for the fewest parts.
+        searched: what is known, and becomes known."""
         self.is_shortest = is_shortest
         self.actions, self.clock, self.question = actions, clock, actions.question
         self._mockup = self.question.scene.mockup
-        self._bent: dict[Bent, tuple[frozenset[int], Led]] = {}
-        self._searched: set[tuple[int, frozenset[int]]] = set()
+        self._searched = searched
 
     def way(self, unit: Unit, parts: tuple[int, ...], out: frozenset[int]) -> Led:
         """The way of a step while items are out."""
@@ -72,19 +84,37 @@ class Leading:
         if isinstance(motion, Slip):
             return self._of_ring(self.actions.rings.way(motion), parts, gone, STRAIGHT_ROUNDS, True)
         if isinstance(motion, Bent):
-            before, led = self._bent[motion]
+            before, led = self._searched.bent[motion]
             if before <= out:
                 return led
+        return _led(self._removal(self._asked(unit, parts, gone)))
+
+    def asked(self, unit: Unit, parts: tuple[int, ...], out: frozenset[int]) -> WayAsked | None:
+        """What will be asked for the way of a step; None for what is known, and for rings."""
+        gone = self.actions.gone(out)
+        motion = unit.motion
+        if not parts or self._is_last(parts, gone) or isinstance(motion, (Slip, Bent)):
+            return None
+        return self._asked(unit, parts, gone)
+
+    def _asked(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> WayAsked:
+        motion: Any = unit.motion
         is_straight = isinstance(motion, tuple) and len(motion) == 3
         rounds = STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS
-        direction = [self._shortest(unit, parts, gone)] if is_straight else None
-        return _led(self._removal(parts, gone, rounds, direction))
+        direction = self._direction(unit, parts, gone) if is_straight else None
+        return WayAsked(parts, gone, direction, rounds, int(self.question.options["seed"]))
+
+    def _direction(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> Any:
+        if not self.is_shortest:
+            return unit.motion
+        key = (unit, parts, gone)
+        if key not in self._searched.shortest:
+            self._searched.shortest[key] = self._shortest(unit, parts, gone)
+        return self._searched.shortest[key]
 
     def _shortest(self, unit: Unit, parts: tuple[int, ...], gone: frozenset[int]) -> Any:
         """The direction in which parts are out first: their motion, or one that is free now that others are gone. Not
         for several people: they need not wait for those."""
-        if not self.is_shortest:
-            return unit.motion
         question = self.question
         rest = question.scene.without([*parts, *gone])
         tool = Tool.of_parts(self._mockup, list(parts))
@@ -107,12 +137,12 @@ class Leading:
         gone = actions.gone(out)
         parts = tuple(part for part in question.parts_of([item]) if part not in gone)
         key = (item, frozenset(gone))
-        if key in self._searched or not parts or self._is_last(parts, gone):
+        if key in self._searched.tried or not parts or self._is_last(parts, gone):
             return False
-        self._searched.add(key)
         self.clock.tell(f"searching a way of {self._mockup.part_names[parts[0]]}")
         if item not in actions.rings:
-            led, needed = _led(self._removal(parts, gone, rounds, None)), frozenset[int]()
+            asked = WayAsked(parts, gone, None, rounds, int(self.question.options["seed"]))
+            led, needed = _led(self._removal(asked)), frozenset[int]()
         else:
             led, needed = Led(False, np.eye(4)[None], "", ()), frozenset[int]()
             for way in actions.rings.ways(item):
@@ -120,11 +150,13 @@ class Leading:
                     led, needed = self._of_ring(way, parts, gone, rounds, False), way.blockers
                     if led.is_found:
                         break
+        if self.clock.goes_on():
+            self._searched.tried.add(key)
         if not led.is_found:
             return False
         met = frozenset(node for node in out if self._is_met(item, node, led.poses)) - {item}
-        name = Bent(len(self._bent) + 1)
-        self._bent[name] = (met | needed, led)
+        name = Bent(len(self._searched.bent) + 1)
+        self._searched.bent[name] = (met | needed, led)
         actions.graph.learn(item, Exit((name,), met | needed))
         return True
 
@@ -159,36 +191,36 @@ class Leading:
         self, way: RingWay, parts: tuple[int, ...], gone: frozenset[int], rounds: int, is_straight: bool
     ) -> Led:
         """Opened until it lies free; from there on its way is searched."""
-        direction = [way.slipping.direction] if is_straight else None
-        found = self._removal(parts, gone, rounds, direction, way.slipping.pose)
+        direction = way.slipping.direction if is_straight else None
+        asked = WayAsked(parts, gone, direction, rounds, int(self.question.options["seed"]))
+        found = self._removal(asked, way.slipping.pose)
         led = _led(found)
         said = f"{way.slipping}" + (f"; then {led.said}" if found.legs else "")
         return Led(led.is_found, np.concatenate([np.eye(4)[None], led.poses]), said, led.blocked_by)
 
-    def _removal(
-        self,
-        parts: Iterable[int],
-        gone: frozenset[int],
-        rounds: int,
-        directions: Any,
-        lies: Floats | None = None,
-    ) -> Removal:
-        question, options = self.question, self.question.options
-        scene = question.scene.without(sorted(gone)) if gone else question.scene
+    def _removal(self, asked: WayAsked, lies: Floats | None = None) -> Removal:
+        """lies: where the parts begin, if not where they are modelled."""
+        question, threads = self.question, self.question.options["threads"]
         if not self.clock.goes_on():
-            return not_tried(int(options["seed"]))
-        asked: dict[str, Any] = {
-            "directions": directions,
-            "seconds": self.clock.left,
-            "rounds": rounds,
-            "seed": options["seed"],
-            "threads": options["threads"],
-            "progress": lambda _share, _stage: self.clock.look(),
-        }
+            return not_tried(asked.seed)
         if lies is None:
-            return removal(scene, list(parts), **asked)
-        allowed = Allowed.of(scene, None, 0.0, True)
-        return way_from(lies, scene, list(parts), tool=None, start=None, allowed=allowed, clearance=0.0, **asked)
+            return self.actions.ahead.way(asked, threads)
+        scene = question.scene.without(sorted(asked.gone)) if asked.gone else question.scene
+        return way_from(
+            lies,
+            scene,
+            list(asked.parts),
+            tool=None,
+            start=None,
+            allowed=Allowed.of(scene, None, 0.0, True),
+            clearance=0.0,
+            directions=None if asked.direction is None else [asked.direction],
+            seconds=self.clock.left,
+            rounds=asked.rounds,
+            seed=asked.seed,
+            threads=threads,
+            progress=lambda _share, _stage: self.clock.look(),
+        )
 
 
 def _led(found: Removal) -> Led:

@@ -266,7 +266,7 @@ def _seen(scene: Scene, asked: _Asked, keys: Sequence[str], out: Sequence[tuple[
     for part, gone in out:
         check_stop()
         row = rows[part]
-        places = _eyes(row) if asked.eyes is None else asked.eyes
+        places = eyes_over(row) if asked.eyes is None else asked.eyes
         there = scene.without(list(gone)) if gone else scene
         share = sight(there, Fasteners([row]), places)[0].share
         own = scene.mockup.part_bounds[2 * part : 2 * part + 2]
@@ -276,7 +276,7 @@ def _seen(scene: Scene, asked: _Asked, keys: Sequence[str], out: Sequence[tuple[
     return found
 
 
-def _eyes(row: Fastener) -> Floats:
+def eyes_over(row: Fastener) -> Floats:
     """Places `(EYES, 3)` on the half sphere over a head, evenly (a Fibonacci lattice)."""
     number = np.arange(EYES) + 0.5
     height = number / EYES

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,14 +21,18 @@ from feeler.plan.removal import LARGEST_SEED
 from feeler.plan.sequence import Exit
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.spreading import check_executor
 from feeler.tasks.actions import Actions, Together
-from feeler.tasks.answer import Task
+from feeler.tasks.ahead import Ahead
+from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.leading import ASKED_ROUNDS, BENT_ROUNDS, Leading, Led
 from feeler.tasks.pacing import Pace
-from feeler.tasks.reached import Reaching, Tooled
+from feeler.tasks.reached import Tooled
+from feeler.tasks.replanning import Found as Known
+from feeler.tasks.replanning import Memory
 from feeler.tasks.search import Found, Ordered, Search, Unit
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
@@ -56,6 +61,7 @@ def task(
     seconds: float = 600.0,
     seed: int = 0,
     threads: int | None = None,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Task:
     """How parts are taken out: the quickest plan that was found, step by step, and what no plan is below.
@@ -77,40 +83,75 @@ def task(
       these.
     - `seconds`: the search ends then. The plan depends neither on it, unless it ended it (`is_complete`), nor on
       `threads`.
+    - `executor`: where questions that do not depend on each other are asked, as in `removals`, one thread each. The
+      plan does not depend on it.
     - `progress`: called with the share of the work that is done, as far as it is known, or of the time if that is more,
       0 to 1, and what is done. It never goes back.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
-    `MeshError` for tools that are none, `LoadError` for a bad file of times.
+    `MeshError` for tools that are none, `LoadError` for a bad file of times. Ctrl-C ends the search with
+    `TaskInterrupted`, which has the best plan until then.
     """
+    given = locals()
+    return planned(Memory(), **given)
+
+
+def planned(
+    memory: Memory,
+    scene: Scene,
+    parts: PartsLike,
+    tools: Any = None,
+    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    keep: PartsLike | None = None,
+    people: int = 1,
+    *,
+    fasteners: Fasteners | None = None,
+    held: Holds | None = None,
+    before: Sequence[tuple[PartsLike, PartsLike]] | None = None,
+    seconds: float = 600.0,
+    seed: int = 0,
+    threads: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Task:
+    """As `task`, with what earlier plans found. Fasteners that are given are those of these plans, too."""
     check_kind("scene", scene, Scene)
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     crew = check_whole("people", people, 1, MOST_PEOPLE)
     check_whole("seed", seed, 0, LARGEST_SEED)
     workers = check_threads(threads)
     check_progress(progress)
+    check_executor(executor)
     table = Arithmetic(times_of(times))
     wanted = _wanted(scene, parts)
     kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
     if kept & set(wanted):
         path = scene.mockup.part_paths[min(kept & set(wanted))]
         raise OptionError(f"keep has {path!r}, which is wanted: leave it out of one of them")
-    reaching = Reaching(scene, tools, workers)
+    reaching = memory.reaching(scene, tools, workers, table.times.pitches_mm)
     clock = Pace(limit, progress)
-    clock.stage(FOUND, "looking for fasteners")
-    if fasteners is None:
-        fasteners = find_fasteners(scene, None, clock.heard)
-    check_kind("fasteners", fasteners, Fasteners, "the result of feeler.find_fasteners")
-    clock.stage(HELD, "looking at what they hold")
-    if held is None:
-        held = holds(scene, fasteners, progress=clock.heard)
-    check_kind("held", held, Holds, "the result of feeler.holds")
-    fixings = Fixings(scene, fasteners, held, table)
-    clock.stage(READY, "looking at what leaves together")
-    question = _question(scene, wanted, kept, fixings, seed, workers)
-    actions = Actions(question, clock, fixings, reaching, table)
-    forced = _forced(scene, before, question)
-    return _Planner(actions, clock, crew, tuple(scene.mockup.part_paths[part] for part in wanted), forced).task()
+
+    def look() -> Known:
+        clock.stage(FOUND, "looking for fasteners")
+        rows = find_fasteners(scene, None, clock.heard) if fasteners is None else fasteners
+        check_kind("fasteners", rows, Fasteners, "the result of feeler.find_fasteners")
+        clock.stage(HELD, "looking at what they hold")
+        joined = holds(scene, rows, progress=clock.heard) if held is None else held
+        check_kind("held", joined, Holds, "the result of feeler.holds")
+        fixings = Fixings(scene, rows, joined, table)
+        clock.stage(READY, "looking at what leaves together")
+        return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+
+    known = memory.found((wanted, kept, seed), scene, look)
+    paths = tuple(scene.mockup.part_paths[part] for part in wanted)
+    forced = _forced(scene, before, known.question)
+    with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
+        actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
+        if known.actions is not None:
+            actions.know(known.actions)
+        known.actions = actions
+        leading = Leading(actions, clock, crew == 1, known.searched)
+        return _Planner(actions, leading, clock, crew, paths, forced).task()
 
 
 def _forced(
@@ -206,6 +247,7 @@ class _Planner:
     def __init__(
         self,
         actions: Actions,
+        leading: Leading,
         clock: Pace,
         people: int,
         wanted: tuple[str, ...],
@@ -214,11 +256,21 @@ class _Planner:
         self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
-        self.leading = Leading(actions, clock, people == 1)
+        self.leading = leading
+        self._search: Search | None = None
+
+    @property
+    def search(self) -> Search:
+        """The last search."""
+        assert self._search is not None
+        return self._search
 
     def task(self) -> Task:
-        """The best plan whose ways hold."""
-        answer = self._best()
+        """The best plan whose ways hold. Raises `TaskInterrupted` at Ctrl-C."""
+        try:
+            answer = self._best()
+        except KeyboardInterrupt:
+            raise TaskInterrupted(self._so_far()) from None
         self.clock.stage(1.0, "done")
         self.clock.within(1.0)
         self.clock.tell("done")
@@ -242,14 +294,21 @@ class _Planner:
 
     def _found(self, told: Callable[[float], None] = lambda share: None) -> Found:
         self.clock.tell("searching the quickest order")
-        self.search = Search(self.actions, TARGET, self.clock.goes_on, self.forced, told)
-        return self.search.best()
+        self._search = Search(self.actions, TARGET, self.clock.goes_on, self.forced, told)
+        return self._search.best()
 
     def _checked(self, steps: tuple[Ordered, ...]) -> list[_Checked] | None:
         """The steps with their ways; None if one does not hold, and then its blockers are known."""
         out: frozenset[int] = frozenset()
-        checked = []
+        checked, asked = [], []
         self.clock.stage(1.0, "checking the ways")
+        if self.actions.ahead.has_workers:
+            for step in steps:
+                if not self.actions.is_turned(step.unit.items[0]):
+                    asked.append(self.leading.asked(step.unit, self._left(step, out), out))
+                out |= set(step.unit.items)
+            self.actions.ahead.try_ways([each for each in asked if each is not None])
+        out = frozenset()
         for n, step in enumerate(steps):
             self.clock.within(n / len(steps))
             one = self._checked_step(step, out)
@@ -263,7 +322,7 @@ class _Planner:
     def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
         actions, item = self.actions, step.unit.items[0]
         gone = actions.gone(out)
-        parts = tuple(part for part in self.question.parts_of(step.unit.items) if part not in gone)
+        parts = self._left(step, out)
         if actions.is_turned(item):
             fixing = actions.fixings.of(item)
             way = np.stack([np.eye(4), actions.drawn(fixing)])
@@ -281,6 +340,11 @@ class _Planner:
             self._learn(step, found)
             return None
         return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), found.said)
+
+    def _left(self, step: Ordered, out: frozenset[int]) -> tuple[int, ...]:
+        """The parts that leave in a step."""
+        gone = self.actions.gone(out)
+        return tuple(part for part in self.question.parts_of(step.unit.items) if part not in gone)
 
     def _learn(self, step: Ordered, tried: Led) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
@@ -354,6 +418,40 @@ class _Planner:
             elements=dict(self.actions.times.elements),
             examples=self.actions.times.times.examples,
             notes=tuple(notes),
+        )
+
+    def _so_far(self) -> Task:
+        """The best plan until now. Nothing is asked of the geometry any more, so its ways are not checked."""
+        found = Found(None, math.nan, 0.0, False, {}) if self._search is None else self._search.so_far
+        out: frozenset[int] = frozenset()
+        steps: list[TaskStep] = []
+        now = 0.0
+        for ordered in found.steps or ():
+            parts = self._left(ordered, out)
+            out |= set(ordered.unit.items)
+            if not parts:
+                continue
+            tooled = ordered.choice.key
+            said = tooled.because if isinstance(tooled, Tooled) else "its way is not checked"
+            one = _Checked(ordered, parts, np.empty((0, 4, 4)), frozenset(), said)
+            timed, number = self._timed(one), len(steps)
+            end = now + timed.mean + self.actions.get_seconds * ordered.is_changed
+            slot = Slot(0, now, end, ordered.is_changed, None)
+            steps.append(self._step(number, one, timed, tuple(range(number)), slot))
+            now = end
+        return Task(
+            parts=self.wanted,
+            is_found=False,
+            steps=tuple(steps),
+            seconds=now if steps else math.nan,
+            spread=math.sqrt(math.fsum(step.spread**2 for step in steps)) if steps else math.nan,
+            bound=found.bound / self.people,
+            blocked=(),
+            people=self.people,
+            is_complete=False,
+            elements=dict(self.actions.times.elements),
+            examples=self.actions.times.times.examples,
+            notes=("Interrupted: nothing says that the ways of these steps hold.",) if steps else (),
         )
 
     def _timed(self, one: _Checked) -> Timed:

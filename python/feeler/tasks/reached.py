@@ -15,10 +15,10 @@ import numpy.typing as npt
 from feeler.arguments import shown
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Tool
-from feeler.plan.catalogue import Catalogue, catalogue, name_of, tool_of
+from feeler.plan.catalogue import Catalogue, catalogue, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Reach
-from feeler.plan.reaching import access
+from feeler.plan.reaching import APPROACH_M, access, quickest
 from feeler.plan.tool_seat import seated_tool
 from feeler.scene import Scene
 from feeler.tasks.times import strokes_for
@@ -27,8 +27,6 @@ Floats = npt.NDArray[np.float64]
 
 BUILT_IN = "built-in"
 """Instead of a file: the built-in catalogue."""
-APPROACH_M = 0.1
-"""How far each way in is searched, as in `access`."""
 ASSUMED_DEG = 60.0
 """The swing without tools: nothing says more."""
 NEAR_M = 1e-5
@@ -74,15 +72,28 @@ class Reaching:
 
     def __init__(self, scene: Scene, tools: object, threads: int | None) -> None:
         self.scene, self.threads = scene, threads
+        self.given = tools
+        """The argument."""
         self.is_checked = tools is not None
         """Whether there are tools."""
         self.catalogue = _catalogue(tools)
         self.tools = () if self.catalogue is not None or tools is None else _tools(tools)
+        self._off = frozenset[int]()
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
         self._known: dict[int, dict[frozenset[int], Reached]] = {}
+        self._enough: dict[int, int] = {}
+        self._ahead: dict[tuple[int, frozenset[int]], Reached] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
+
+    def covers(self, scene: Scene) -> bool:
+        """Whether a scene is this one, or this one with less in it."""
+        return scene.mockup is self.scene.mockup and not bool((scene.part_mask & ~self.scene.part_mask).any())
+
+    def look_at(self, scene: Scene) -> None:
+        """From now on asks in such a scene: what is not in it is out."""
+        self._off = frozenset(np.flatnonzero(self.scene.part_mask & ~scene.part_mask).tolist())
 
     def reached(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
         """The answer while some parts are out. It is the same for all sets with the same parts out near the fastener:
@@ -91,11 +102,38 @@ class Reaching:
         It is also taken from other sets: what is out never blocks, so the strokes for `turns` of a set are between
         those of a smaller and of a larger one, and where no tool reaches, none does with less out.
         """
-        near = self.near(row)
-        known, key = self._known.setdefault(row.part, {}), out & near
+        known, key = self._known.setdefault(row.part, {}), self._key(row, out)
         if key not in known:
-            known[key] = self._between(known, key, turns) or self._ask(row, out, near)
-        return known[key]
+            asked = self._between(known, key, turns) or self._ahead.pop((row.part, key), None)
+            known[key] = asked or self.ask(row, out, turns, self.enough(row))
+        if not self._off:
+            return known[key]
+        there = tuple(part for part in known[key].blockers if part not in self._off)
+        return replace(known[key], blockers=there, looked=known[key].looked - self._off)
+
+    def _key(self, row: Fastener, out: frozenset[int]) -> frozenset[int]:
+        return (out | self._off) & self._around(row)
+
+    def knows(self, row: Fastener, out: frozenset[int], turns: float) -> bool:
+        """Whether the answer needs no geometry."""
+        known, key = self._known.get(row.part, {}), self._key(row, out)
+        is_known = key in known or (row.part, key) in self._ahead
+        return is_known or self._between(known, key, turns) is not None
+
+    def foretell(self, row: Fastener, out: frozenset[int], answer: Reached) -> None:
+        """Has the answer of `ask` ready, where it will be asked."""
+        self._ahead[row.part, self._key(row, out)] = answer
+
+    def enough(self, row: Fastener) -> int | None:
+        """The strokes below which no tool comes at a fastener, if they are known."""
+        return self._enough.get(row.part)
+
+    def at_best(self, row: Fastener, out: frozenset[int], turns: float) -> Reached:
+        """The answer while all is out that can be: no tool needs fewer strokes with less out, so none is sought."""
+        found = self.reached(row, out, turns)
+        fewest = min((strokes for _, strokes in _strokes(found, turns)), default=0)
+        self._enough[row.part] = max(fewest, strokes_for(turns, 360.0))
+        return found
 
     @staticmethod
     def _between(known: dict[frozenset[int], Reached], key: frozenset[int], turns: float) -> Reached | None:
@@ -109,6 +147,9 @@ class Reaching:
 
     def near(self, row: Fastener) -> frozenset[int]:
         """The parts that its answers can depend on."""
+        return self._around(row) - self._off
+
+    def _around(self, row: Fastener) -> frozenset[int]:
         if row.part not in self._near:
             found: set[int] = set()
             for lower, upper in self._rooms(row):
@@ -117,17 +158,20 @@ class Reaching:
             self._near[row.part] = frozenset(found) - {row.part}
         return self._near[row.part]
 
-    def _ask(self, row: Fastener, out: frozenset[int], near: frozenset[int]) -> Reached:
+    def ask(self, row: Fastener, out: frozenset[int], turns: float, enough: int | None) -> Reached:
+        """The answer by the geometry. enough: strokes below which no tool comes there, None: not known; it does not
+        bear on the answer."""
         self.asked += 1
+        near, out = self._around(row), out | self._off
         if not self.is_checked:
             said = "without tools: its reach is not checked"
             return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)
         scene = self.scene.without(sorted(out)) if out else self.scene
         if self.catalogue is not None:
-            answer = access(scene, self.catalogue, Fasteners([row]), threads=self.threads)[0]
-            return Reached(
-                _tooled(answer, answer.tool or "", answer.because), _in_the_way(answer), near, answer.because
-            )
+            least = strokes_for(turns, 360.0) if enough is None else enough
+            answers = quickest(scene, self.catalogue, row, turns, least)
+            tooled = tuple(one for each in answers for one in _tooled(each, each.tool or "", each.because))
+            return Reached(tooled, _in_the_way(answers), near, answers[-1].because)
         found: list[Tooled] = []
         blockers: dict[int, int] = {}
         reasons = []
@@ -143,25 +187,6 @@ class Reaching:
         worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
         return Reached(tuple(found), worst, near, "; ".join(reasons))
 
-    def any_of(self, row: Fastener, out: frozenset[int], turns: float) -> tuple[Tooled, ...]:
-        """The tools that reach a fastener while parts are out, and may be the quickest: of a catalogue the first that
-        reaches is taken, and with less out a later one may be the first."""
-        first = self.reached(row, out, turns).tooled
-        if self.catalogue is None or not first or first[0].stroke_deg >= 360.0:
-            return first
-        fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size)
-        names = [name_of(pieces) for pieces in fitting]
-        later = fitting[names.index(first[0].tool) + 1 :] if first[0].tool in names else fitting
-        scene = self.scene.without(sorted(out)) if out else self.scene
-        found = list(first)
-        for pieces in later:
-            own = Catalogue(list(dict.fromkeys(pieces)))
-            answer = access(scene, own, Fasteners([row]), threads=self.threads)[0]
-            found += _tooled(answer, answer.tool or "", answer.because)
-            if found[-1].stroke_deg >= 360.0:
-                break
-        return tuple(found)
-
     def _rooms(self, row: Fastener) -> Iterator[tuple[Floats, Floats]]:
         """The boxes of what tools can meet at a fastener, on their way in too."""
         for held in self.tools:
@@ -175,6 +200,17 @@ class Reaching:
                 yield _room(tool_of(pieces), row, -deep, deep, APPROACH_M)
 
 
+def shape_of(tools: object, name: str) -> Tool:
+    """The tool of a step in its own frame; tools: as `task` took them. Raises `OptionError` if it is not among them."""
+    chosen = _catalogue(tools)
+    if chosen is not None:
+        return chosen.tool(name)
+    known = {} if tools is None else {each.name: each.tool for each in _tools(tools)}
+    if name not in known:
+        raise OptionError(f"tools has no {name!r}: give the tools that the task was planned with")
+    return known[name]
+
+
 def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
     """Tools with their strokes; empty if none reaches."""
     return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
@@ -186,12 +222,13 @@ def _tooled(answer: Reach, name: str, because: str) -> tuple[Tooled, ...]:
     return (Tooled(name, answer.swing_deg, answer.way, because, answer.stroke_deg or answer.swing_deg),)
 
 
-def _in_the_way(answer: Reach) -> tuple[int, ...]:
-    """The parts in the way of the tool, and of all that were tried before it, the worst first."""
-    counts = Counter({each.part: each.count for each in answer.blockers})
-    for tried in answer.tried:
-        counts.update({each.part: each.count for each in tried.blockers})
-    return tuple(sorted(counts.keys() - {answer.part}, key=lambda part: (-counts[part], part)))
+def _in_the_way(answers: Sequence[Reach]) -> tuple[int, ...]:
+    """The parts in the way of tools, and of all that were tried, the worst first."""
+    counts: Counter[int] = Counter()
+    every = [*(each.blockers for each in answers), *(each.blockers for each in answers[-1].tried)]
+    for blockers in every:
+        counts.update({each.part: each.count for each in blockers})
+    return tuple(sorted(counts.keys() - {answers[0].part}, key=lambda part: (-counts[part], part)))
 
 
 def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:

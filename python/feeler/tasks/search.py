@@ -22,7 +22,9 @@ MOST_SETS = 20_000
 MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
 MOST_STATES = 5_000
-"""States of one order; beyond it the order is completed step by step, the quickest first."""
+"""States of one order; beyond it the order is the best that a beam search finds."""
+MOST_AHEAD = 60
+"""States with equally many steps in a beam search."""
 SETTLED = 0.75
 """The share of the progress of a search when it has a plan."""
 SLACK = 1e-9
@@ -69,6 +71,10 @@ class Problem(Protocol):
 
     def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
         """How a fastener is undone while items are out; and the items in the way of a tool, or of a larger swing."""
+
+    def expect(self, items: Sequence[int], out: frozenset[int] | None) -> None:
+        """Fasteners that are likely to be asked for together, while items are out; None: while all is out that can be.
+        No answer depends on it."""
 
     def by_hand(self, items: Iterable[int]) -> Choice:
         """How parts, which leave together, or a loose fastener are taken out."""
@@ -159,6 +165,8 @@ class Search:
         self.sets = 0
         """Sets that were looked at."""
         self.stuck: dict[int, frozenset[int]] = {}
+        self.so_far = Found(None, math.inf, 0.0, False, self.stuck)
+        """The best plan and the bound until now, for whoever ends the search."""
         self._makes_room = False
 
     def best(self) -> Found:
@@ -242,6 +250,8 @@ class Search:
             else:
                 closed = (bound - opened) / (seconds - opened) if seconds > opened else 1.0
                 self._told(SETTLED + (1.0 - SETTLED) * max(closed, looked / limit))
+            lowest = max(self.so_far.bound, min(seconds, least_leaf, bound))
+            self.so_far = Found(best, seconds, lowest, False, self.stuck)
             if one.needs:
                 waiting = list(self._children(one))
                 continue
@@ -259,7 +269,8 @@ class Search:
                 best, seconds = steps, cost
         self.sets += looked
         lowest = queue[0][0] if queue else math.inf
-        return Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+        self.so_far = Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+        return self.so_far
 
     def _settled(self, one: _Set) -> float:
         """The share of the needs of a set that are settled."""
@@ -290,6 +301,10 @@ class Search:
             if item in one.stays:
                 return None
             items.add(item)
+            if not self.problem.is_turned(item):
+                held = sorted({each for joint in self.problem.holders(item) for each in joint} - items)
+                self.problem.expect(held, None)
+                self.problem.expect(held, frozenset())
             for index, joint in enumerate(self.problem.holders(item)):
                 if len(joint) == 1:
                     waiting += sorted(joint - items)
@@ -413,6 +428,16 @@ class Search:
         return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
 
 
+class _State(NamedTuple):
+    """What is out, after which steps."""
+
+    spent: float
+    out: frozenset[int]
+    tool: str
+    """In hand."""
+    steps: tuple[Ordered, ...]
+
+
 class _Order:
     """The quickest order of units: A* over what is out and which tool is in hand.
 
@@ -426,15 +451,35 @@ class _Order:
         self.blocked: dict[int, frozenset[int]] = {}
         self.waiting: dict[int, frozenset[int]] = {}
         """Where no tool lacks room: what waits for what waits for it, parts if there are any."""
-        self._least = [self._cheapest(unit) for unit in units]
+        self._needed: dict[Unit, frozenset[int]] = {}
+        self._at_best = [self._cheapest(unit) for unit in units]
+        self._least = [min((each.seconds for each in some), default=0.0) for some in self._at_best]
 
-    def _cheapest(self, unit: Unit) -> float:
+    def _cheapest(self, unit: Unit) -> Sequence[Choice]:
+        """How a unit leaves once all others are out that need not wait for it."""
         item = unit.items[0]
         if not self.problem.is_turned(item):
-            return self.problem.by_hand(unit.items).seconds
-        choices, _ = self.problem.tooled(item, self.all - {item})
+            return [self.problem.by_hand(unit.items)]
+        choices, _ = self.problem.tooled(item, self.all - {item} - self._waiting_for(item))
         loose = [self.problem.by_hand(unit.items)] if self.problem.mates(item) & self.all else []
-        return min((each.seconds for each in [*choices, *loose]), default=0.0)
+        return [*choices, *loose]
+
+    def _waiting_for(self, item: int) -> frozenset[int]:
+        """The items that cannot leave before one: it is in their way or holds them, or they wait for such ones."""
+        found = {item}
+        while True:
+            more = {each for unit in self.units if self._needs(unit) & found for each in unit.items}
+            if more <= found:
+                return frozenset(found - {item})
+            found |= more
+
+    def _needs(self, unit: Unit) -> frozenset[int]:
+        """The items that have to be out before a unit: of joints those that are alone in it."""
+        if unit not in self._needed:
+            joints = [joint & self.all for item in unit.items for joint in self.problem.holders(item)]
+            alone = frozenset[int]().union(*(joint for joint in joints if len(joint) == 1))
+            self._needed[unit] = (unit.before | alone) - set(unit.items)
+        return self._needed[unit]
 
     def best(self) -> tuple[Ordered, ...] | None:
         """The order; None if there is none, and then `blocked` has what is in the way of what."""
@@ -453,13 +498,12 @@ class _Order:
             done.add((out, tool))
             if len(out) > len(furthest):
                 furthest = out
+            self.problem.expect([unit.items[0] for unit in self.units if self._is_next(unit, out)], out)
             ready = list(self._ready(out, tool))
             if len(done) > MOST_STATES:
-                return self._hastily(spent, out, tool, steps)
+                return self._hastily()
             for n, step in self._worth(ready, tool):
-                left = sum(
-                    least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items}
-                )
+                left = self._left(out)
                 after = spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
                 number += 1
                 grown = out | set(step.unit.items)
@@ -468,27 +512,53 @@ class _Order:
         self._note_blocked(furthest)
         return None
 
-    def _hastily(
-        self, spent: float, out: frozenset[int], tool: str, steps: tuple[Ordered, ...]
-    ) -> tuple[Ordered, ...] | None:
-        """The rest of an order, the quickest step first."""
-        while len(steps) < len(self.units):
-            ready = list(self._ready(out, tool))
-            if not ready:
-                self._note_blocked(out)
+    def _hastily(self) -> tuple[Ordered, ...] | None:
+        """An order by a beam search: of the states with equally many steps only those that promise most go on."""
+        beam: list[_State] = [_State(0.0, frozenset(), "", ())]
+        for _ in self.units:
+            grown: dict[tuple[frozenset[int], str], _State] = {}
+            for state in beam:
+                ready = list(self._ready(state.out, state.tool))
+                for _, step in self._worth(ready, state.tool):
+                    spent = state.spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
+                    out, tool = state.out | set(step.unit.items), step.choice.tool or state.tool
+                    if (out, tool) not in grown or spent < grown[out, tool].spent - SLACK:
+                        grown[out, tool] = _State(spent, out, tool, (*state.steps, step))
+            if not grown:
+                self._note_blocked(beam[0].out)
                 return None
-            cost = self.problem.get_seconds
-            _, step = min(ready, key=lambda each: (each[1].choice.seconds + cost * each[1].is_changed, each[0]))
-            out, tool, steps = out | set(step.unit.items), step.choice.tool or tool, (*steps, step)
-        return steps
+            beam = sorted(grown.values(), key=self._promised)[:MOST_AHEAD]
+        return min(beam, key=lambda each: each.spent).steps
+
+    def _promised(self, state: _State) -> float:
+        """The seconds of an order that goes on from a state, by a guess: each unit at its least, and a change of the
+        tool for those that no tool in hand serves, the units with the fewest tools first."""
+        tools = [
+            {each.tool for each in some}
+            for unit, some in zip(self.units, self._at_best, strict=True)
+            if not state.out & set(unit.items) and all(each.tool for each in some)
+        ]
+        held, changes = {state.tool}, 0
+        for some in sorted(tools, key=len):
+            if not some & held:
+                changes += 1
+                held |= some
+        return state.spent + self._left(state.out) + self.problem.get_seconds * changes
+
+    def _left(self, out: frozenset[int]) -> float:
+        """The least seconds of the units that are still there."""
+        return sum(least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items})
 
     def _ready(self, out: frozenset[int], tool: str) -> Iterator[tuple[int, Ordered]]:
         """The steps that can be done now."""
         for n, unit in enumerate(self.units):
-            if out & set(unit.items) or not unit.before <= out or not self._is_free(unit, out):
+            if not self._is_next(unit, out):
                 continue
             for choice in self._choices(unit, out):
                 yield n, Ordered(unit, choice, bool(choice.tool) and choice.tool != tool)
+
+    def _is_next(self, unit: Unit, out: frozenset[int]) -> bool:
+        return not out & set(unit.items) and unit.before <= out and self._is_free(unit, out)
 
     def _is_free(self, unit: Unit, out: frozenset[int]) -> bool:
         gone = out | set(unit.items)

@@ -35,7 +35,7 @@ class TaskStep:
     strokes: int
     way: Floats
     """`(k, 4, 4)`: the motion of the parts in the world, from their place until they are out, as `Removal.poses`. A
-    fastener is drawn off its thread."""
+    fastener is drawn off its thread. Empty after Ctrl-C."""
     tool_way: Floats
     """`(k, 4, 4)` world_from_tool: the tool's way in; empty without one."""
     person: int
@@ -97,9 +97,10 @@ class TaskFacts:
     """Paths of the wanted parts."""
     is_found: bool
     steps: tuple[TaskStep, ...]
-    """In order; empty if none was found."""
+    """In order; empty if none was found. After Ctrl-C (`TaskInterrupted`): those of the best plan until then, without
+    their ways."""
     seconds: float
-    """From the beginning to the end; NaN if no plan was found."""
+    """From the beginning to the end; NaN without steps."""
     spread: float
     """Its standard deviation, of the chain of steps that decides it."""
     bound: float
@@ -156,11 +157,22 @@ class TaskFacts:
     @property
     def said(self) -> str:
         """The result in a sentence."""
+        if not self.is_found and not self.is_complete and not self.blocked and math.isfinite(self.bound):
+            return self._said_so_far
         if not self.is_found:
             first = self.blocked[0] if self.blocked else None
             return "blocked" + (f": {first.part}: {first.because}" if first else ": no plan was found")
         total = f"best found: {plural(len(self.steps), 'step')}, {clock(self.seconds)} +- {clock(self.spread)}"
         return f"{total}, not below {clock(self.bound)}"
+
+    @property
+    def _said_so_far(self) -> str:
+        """Of an interrupted search."""
+        least = f"no plan is below {clock(self.bound)}"
+        if not self.steps:
+            return f"no plan so far; {least}" if self.bound > 0.0 else "no plan so far"
+        total = f"{plural(len(self.steps), 'step')}, {clock(self.seconds)} +- {clock(self.spread)}"
+        return f"best so far: {total}, its ways not checked; {least}"
 
     def __repr__(self) -> str:
         return f"Task({self.said})"

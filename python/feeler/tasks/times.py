@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from feeler.arguments import check_number, check_path, shown
+from feeler.arguments import check_number, check_path, check_text, shown
 from feeler.atomic import atomic_file
 from feeler.errors import LoadError, OptionError
-from feeler.io.toml import toml_of
+from feeler.io.toml import parsed_toml, toml_of
 
 LONGEST_S = 1e6
 """The longest element, seconds."""
@@ -47,6 +47,18 @@ class Element(NamedTuple):
     """Its standard deviation, seconds."""
 
 
+class WholePath(str):
+    """A pattern that matches this path alone, whatever its signs. It is not equal to the same text as a pattern."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, WholePath) and str.__eq__(self, other)
+
+    def __hash__(self) -> int:
+        return hash((WholePath, str(self)))
+
+
 @dataclass(frozen=True)
 class Timed:
     """The time of a step, with its arithmetic."""
@@ -68,8 +80,11 @@ class Times:
     """How long the elements of a step take, which pitches threads have, and steps whose time is typed.
 
     - `elements`: element -> mean, or (mean, spread), seconds; those left out have the figures of `EXAMPLES`.
-    - `pitches_mm`: pattern of paths -> pitch of these fasteners, millimetres; others have the coarse pitch of ISO 261.
-    - `typed`: pattern of paths -> mean, or (mean, spread), seconds, of the whole step of a fastener or part.
+    - `pitches_mm`: pattern -> pitch of these fasteners, millimetres; others have the coarse pitch of ISO 261.
+    - `typed`: pattern -> mean, or (mean, spread), seconds, of the whole step of a fastener or part.
+
+    A pattern is a path, a name, or has `*`, `?` or `[...]` and matches a whole path or name, as in `Parts.select`, but
+    names nothing below a path. The first that matches counts.
 
     Spreads are standard deviations. Elements vary independently: their squares add. Raises `OptionError` for unknown
     elements and numbers out of range.
@@ -102,7 +117,15 @@ class Times:
     def load(cls, path: str | os.PathLike[str]) -> Times:
         """Reads a TOML file with the tables `elements`, `pitches_mm` and `typed`. Raises `LoadError`."""
         file = check_path("path", path, LoadError)
-        data = toml_of(file, "write one with feeler.Times().save('times.toml')")
+        return cls._of(toml_of(file, "write one with feeler.Times().save('times.toml')"), str(file))
+
+    @classmethod
+    def parse(cls, text: str) -> Times:
+        """Reads what a file has. Raises `LoadError`."""
+        return cls._of(parsed_toml(check_text("text", text), "times"), "times")
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any], file: str) -> Times:
         unknown = sorted(data.keys() - {"elements", "pitches_mm", "typed"})
         if unknown:
             raise LoadError(f"{file}: [{unknown[0]}] is unknown: the tables are elements, pitches_mm and typed")
@@ -240,6 +263,8 @@ def idle_patterns(times: Times, paths: Iterable[str]) -> tuple[str, ...]:
 
 def _is_named(path: str, pattern: str) -> bool:
     """Whether a path, or its last step, matches a pattern."""
+    if isinstance(pattern, WholePath):
+        return path == str(pattern)
     return any(fnmatch.fnmatchcase(name, pattern) for name in (path, path.rsplit("/", 1)[-1]))
 
 

@@ -324,6 +324,10 @@ class ViewCommands:
             "task_edit", id=id, edit=edit, parts=plain_parts(parts), seconds=seconds, later=plain_parts(later)
         )
 
+    def task_times(self, toml: str, name: str | None = None) -> CommandAnswer:
+        """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again."""
+        return self._command("task_times", toml=toml, name=name)
+
     def way_take(
         self, id: int | None = None, steps: int | None = None, ways: list[GivenWay] | None = None
     ) -> CommandAnswer:

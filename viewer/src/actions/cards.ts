@@ -247,9 +247,10 @@ export function filmPath(wb: Workbench, film: Pick<Film, "card" | "step"> | null
   return way.poses.map((pose) => carry(pose, middle));
 }
 
-/** Glides to where a whole way and its parts are in sight. */
-export function frameWay(wb: Workbench, way: Way): void {
+/** Glides to where a whole way and its parts are in sight, and more points. */
+export function frameWay(wb: Workbench, way: Way, more: readonly Vec3[] = []): void {
   const box = boxOfWay(wb, way, true);
+  for (const point of more) include(box, point);
   wb.look((camera) => camera.fit(box));
 }
 

@@ -355,6 +355,16 @@ export interface TaskEdits {
   readonly times: readonly [string, number][];
   /** Pairs of paths: the first goes before the second. */
   readonly before: readonly [string, string][];
+  /** A digest of the table of times; empty: the examples. */
+  readonly table: string;
+}
+
+/** The table of times that tasks use. */
+export interface TaskTimes {
+  /** Of its file; empty: all figures are examples. */
+  readonly name: string;
+  /** How many of the elements it gives. */
+  readonly given: number;
 }
 
 /** The parts that a joint moves, at its worst position. */
@@ -625,6 +635,18 @@ export interface ToolGhost {
   readonly manifest: HeldManifest;
   /** Base64 of its pieces, one after the other. */
   readonly data: string;
+}
+
+/** What is seen of the fastener of a step, from the best of the eyes around its head. */
+export interface TaskSight {
+  /** Of the head, 0 to 1. */
+  readonly share: number;
+  /** The parts in front of the rest, the worst first. */
+  readonly hidden_by: readonly number[];
+  /** Base64 of a PNG from that eye; the fastener is blue. */
+  readonly picture: string;
+  /** Width and height, pixels. */
+  readonly size: [number, number];
 }
 
 /** The answer of a card, without a task. */
@@ -900,6 +922,7 @@ export interface Document {
   readonly findings: Findings | null;
   readonly cards: readonly Card[];
   readonly clash: ClashSettings;
+  readonly task_times: TaskTimes;
   readonly requirements: readonly KeptClear[];
   readonly material: Material | null;
   /** What puts answers about mock-up and tool in doubt, as their loaders found. */
@@ -1421,6 +1444,8 @@ export interface Commands {
     readonly seconds?: number;
     readonly later?: Selection;
   };
+  /** Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again. */
+  readonly task_times: { readonly toml: string; readonly name?: string };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
   /** Asks whether the way of a line of the sequence holds: at every pose, and between them. */
@@ -1491,6 +1516,11 @@ export interface Questions {
   readonly task_tool: {
     readonly args: { readonly id: number; readonly step: number };
     readonly answer: ToolGhost | null;
+  };
+  /** What is seen of the fastener of a step of a task before it is undone; None: the step has none. */
+  readonly task_sight: {
+    readonly args: { readonly id: number; readonly step: number };
+    readonly answer: TaskSight | null;
   };
   /** The parts that a joint moves, at its worst position. */
   readonly joint_ghost: { readonly args: { readonly name: string }; readonly answer: JointGhost };

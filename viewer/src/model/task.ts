@@ -54,6 +54,13 @@ export function clockText(seconds: number): string {
   return minutes < 60 ? `${minutes} min ${whole % 60} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
+/** How much of a fastener is seen from the best eye, in words. */
+export function sightText(share: number): string {
+  if (share <= 0) return "Not visible from any side";
+  if (share >= 1) return "Fully visible";
+  return `${Math.min(99, Math.max(1, Math.round(100 * share)))} % of it is visible`;
+}
+
 /** Seconds that were typed, with their unit or without: "90", "1.5 min", "1:30"; null: none. */
 export function parseSeconds(text: string): number | null {
   const clock = /^\s*(\d+):(\d{1,2})\s*$/.exec(text);

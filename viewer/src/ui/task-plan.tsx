@@ -1,10 +1,10 @@
 // The plan of a task: a Gantt chart by person, the step that is looked at, and the edits.
 
 import { useSignal } from "@preact/signals";
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { showPart } from "../actions/cards";
 import { editTask, showStep } from "../actions/tasks";
-import type { Card, CardAnswer, TaskAnswer, TaskStepFacts } from "../link/protocol";
+import type { Card, CardAnswer, TaskAnswer, TaskSight, TaskStepFacts } from "../link/protocol";
 import {
   clockText,
   endOf,
@@ -12,6 +12,7 @@ import {
   lanesOf,
   minutesText,
   parseSeconds,
+  sightText,
   ticksOf,
   VERBS,
   verbClass,
@@ -146,7 +147,8 @@ function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; 
           <dd>{`${clockText(step.seconds)} ± ${clockText(step.spread)}${step.is_typed ? ", typed" : ""}`}</dd>
         </div>
       </dl>
-      <p class="note">{step.arithmetic}</p>
+      <p class="note">{step.arithmetic.replaceAll("+-", "±")}</p>
+      {step.verb !== "take out" && <Sight card={card.id} task={task} number={number} />}
       <p class="note">{step.because}</p>
       <div class="button-row">
         <TimeField
@@ -196,6 +198,57 @@ function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; 
     </section>
   );
 }
+
+/** What the mechanic sees of a fastener from the best eye: a picture and the share. */
+function Sight(props: { card: number; task: TaskAnswer; number: number }) {
+  const { card, task, number } = props;
+  const wb = useWorkbench();
+  const [seen, setSeen] = useState<TaskSight | null | undefined>(undefined);
+  const [trouble, setTrouble] = useState("");
+  useEffect(() => {
+    let isOver = false;
+    const known = sights.get(task) ?? new Map<number, Promise<TaskSight | null>>();
+    sights.set(task, known);
+    const asked = known.get(number) ?? wb.ask("task_sight", { id: card, step: number });
+    known.set(number, asked);
+    asked.then(
+      (found) => {
+        if (!isOver) setSeen(found);
+      },
+      (error: unknown) => {
+        known.delete(number);
+        if (!isOver) setTrouble(error instanceof Error ? error.message : String(error));
+      },
+    );
+    return () => {
+      isOver = true;
+    };
+  }, [wb, card, task, number]);
+  if (trouble) return <p class="note">{`What is seen is not known: ${trouble}`}</p>;
+  if (seen === null) return null;
+  const name = wb.store.nameOf(task.steps[number]?.part ?? -1);
+  const said = seen && sightText(seen.share);
+  const hidden = seen && seen.share < 1 ? seen.hidden_by.map((part) => wb.store.nameOf(part)).join(", ") : "";
+  return (
+    <figure class="task-sight" aria-busy={seen === undefined}>
+      {seen ? (
+        <img
+          src={`data:image/png;base64,${seen.picture}`}
+          width={seen.size[0]}
+          height={seen.size[1]}
+          alt={`${name}, in blue, from where it is seen best`}
+        />
+      ) : (
+        <div class="task-sight-waiting" aria-hidden="true" />
+      )}
+      <figcaption class="note">
+        {seen ? `${said}${hidden ? `; in front of it: ${hidden}` : ""}` : "Looking at it…"}
+      </figcaption>
+    </figure>
+  );
+}
+
+const sights = new WeakMap<TaskAnswer, Map<number, Promise<TaskSight | null>>>();
 
 /** The seconds of a step that are typed: empty, they are counted. */
 function TimeField(props: { seconds: number | null; disabled: boolean; change: (seconds: number | null) => void }) {

@@ -1,11 +1,43 @@
 // The panel of tasks: asks how parts are taken out, and lists the plans.
 
+import { dropTimes, openTimes } from "../actions/tasks";
 import { CardItem } from "./cards";
 import { useWorkbench } from "./context";
-import { CommandButton } from "./fields";
+import { CommandButton, IconButton } from "./fields";
 import { partsText } from "./words";
 
 const MOST_PEOPLE = 8;
+/** Of a table of times. */
+const ELEMENTS = 9;
+
+/** The table of times of all plans. */
+function TimesTable() {
+  const wb = useWorkbench();
+  const times = wb.store.document.value?.task_times;
+  if (!times) return null;
+  const isLocked = wb.store.is_read_only.value;
+  const hasTable = times.name !== "";
+  return (
+    <div class="task-times">
+      <span class="task-times-name">
+        {hasTable ? `Times of ${times.name}` : "Times are examples, not measured"}
+        {hasTable && <span class="note">{`${times.given} of ${ELEMENTS} elements; others are examples`}</span>}
+      </span>
+      <button
+        type="button"
+        class="button"
+        disabled={isLocked}
+        title="A table as feeler task --write-times writes it (TOML)"
+        onClick={() => openTimes(wb)}
+      >
+        Open times
+      </button>
+      {hasTable && (
+        <IconButton icon="close" label="Use the example times" disabled={isLocked} run={() => dropTimes(wb)} />
+      )}
+    </div>
+  );
+}
 
 export function TaskPanel() {
   const { store } = useWorkbench();
@@ -52,6 +84,7 @@ export function TaskPanel() {
             </select>
           </label>
         </div>
+        <TimesTable />
         <div class="button-column">
           <CommandButton id="ask-task" icon="spanner" text="How is it taken out?" />
         </div>

@@ -304,6 +304,19 @@ class ToolGhost(TypedDict):
     """Base64 of its pieces, one after the other."""
 
 
+class TaskSight(TypedDict):
+    """What is seen of the fastener of a step, from the best of the eyes around its head."""
+
+    share: float
+    """Of the head, 0 to 1."""
+    hidden_by: list[int]
+    """The parts in front of the rest, the worst first."""
+    picture: str
+    """Base64 of a PNG from that eye; the fastener is blue."""
+    size: tuple[int, int]
+    """Width and height, pixels."""
+
+
 class AnswerFacts(TypedDict):
     """The answer of a card, without a task."""
 

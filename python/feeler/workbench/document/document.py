@@ -313,12 +313,28 @@ class TaskEdits:
     """What the user changed of a task, by paths.
 
     off: parts that are off already. times: of parts, the seconds of their steps. before: pairs of parts of which the
-    first goes before the second.
+    first goes before the second. table: of the table of times, a digest; empty: the examples.
     """
 
     off: tuple[str, ...] = ()
     times: tuple[tuple[str, float], ...] = ()
     before: tuple[tuple[str, str], ...] = ()
+    table: str = ""
+
+
+@dataclass(frozen=True)
+class TaskTimes:
+    """The table of times that tasks use: the name of its file, TOML, and how many of the elements it gives. Empty: all
+    are examples."""
+
+    name: str = ""
+    toml: str = ""
+    given: int = 0
+
+    @property
+    def digest(self) -> str:
+        """Of the content; empty without."""
+        return hashlib.blake2b(self.toml.encode(), digest_size=8).hexdigest() if self.toml else ""
 
 
 NO_EDIT = TaskEdits()
@@ -431,6 +447,7 @@ class Document:
     findings: Findings | None = None
     cards: tuple[Card, ...] = ()
     task_edits: Mapping[int, TaskEdits] = field(default_factory=lambda: NO_EDITS)
+    task_times: TaskTimes = TaskTimes()
     clash: ClashSettings = field(default_factory=ClashSettings)
     requirements: tuple[KeptClear, ...] = ()
     material: str | None = None
@@ -462,6 +479,7 @@ _KEPT_BACK_OF = {
     Removal: {"out", "starts"},
     Measure: {"parts"},
     MechanismState: {"order", "text"},
+    TaskTimes: {"toml"},
     JointRange: {"key"},
     JointStep: {"start"},
 }

@@ -33,7 +33,7 @@ from feeler.workbench.document.protocol_findings import (
 )
 from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
-from feeler.workbench.document.protocol_task import TaskEditKind, TaskEdits
+from feeler.workbench.document.protocol_task import TaskEditKind, TaskEdits, TaskTimes
 from feeler.workbench.document.protocol_values import Camera, CameraPlace, Vec3
 
 __all__ = [
@@ -335,6 +335,7 @@ class DocumentFields(TypedDict):
     findings: Findings | None
     cards: list[Card]
     clash: ClashSettings
+    task_times: TaskTimes
     requirements: list[KeptClear]
     material: Material | None
     doubts: list[str]

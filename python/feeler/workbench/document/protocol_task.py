@@ -16,3 +16,14 @@ class TaskEdits(TypedDict):
     """Paths of parts, and the seconds that were typed for their steps."""
     before: list[tuple[str, str]]
     """Pairs of paths: the first goes before the second."""
+    table: str
+    """A digest of the table of times; empty: the examples."""
+
+
+class TaskTimes(TypedDict):
+    """The table of times that tasks use."""
+
+    name: str
+    """Of its file; empty: all figures are examples."""
+    given: int
+    """How many of the elements it gives."""

@@ -6,14 +6,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
+from feeler.errors import LoadError
+from feeler.tasks.times import Times
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.document import NO_EDIT, Document, TaskEdits
+from feeler.workbench.document.document import NO_EDIT, Document, TaskEdits, TaskTimes
 from feeler.workbench.document.known import Known
 
 LONGEST_S = 1e6
 """Of a typed time, seconds."""
 MOST_EDITS = 1000
+MOST_TIMES = 90_000
+"""Characters of a table of times."""
+MOST_NAME = 200
 
 
 def task_edit(document: Document, given: Arguments, known: Known) -> Document:
@@ -31,6 +37,25 @@ def task_edit(document: Document, given: Arguments, known: Known) -> Document:
     if changed != NO_EDIT:
         rest[number] = changed
     return replace(document, task_edits=MappingProxyType(dict(sorted(rest.items()))))
+
+
+def task_times(document: Document, given: Arguments, known: Known) -> Document:
+    """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again.
+
+    An empty text takes the examples again.
+    """
+    toml: Any = given.raw("toml", str)
+    if not isinstance(toml, str) or len(toml) > MOST_TIMES:
+        raise given.fail("toml", "it is no text, or too long", f"send at most {MOST_TIMES:,} characters")
+    if not toml.strip():
+        return replace(document, task_times=TaskTimes())
+    name = given.text("name")[:MOST_NAME] if given.has("name") else "times"
+    try:
+        table = Times.parse(toml)
+    except LoadError as error:
+        said = str(error).removeprefix("times: ")
+        raise given.fail("toml", f"{name}: {said}", "docs/task.md has the form") from None
+    return replace(document, task_times=TaskTimes(name, toml, len(table.elements) - len(table.examples)))
 
 
 def _off(edits: TaskEdits, given: Arguments, known: Known) -> TaskEdits:

@@ -23,6 +23,7 @@ from feeler.plan.swept import swept
 from feeler.poses import between
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.tasks.replanning import Memory
 from feeler.words import length, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, TaskAnswer, WayFacts
@@ -66,6 +67,10 @@ class Asked:
     built_in: frozenset[str]
     threads: int
     edits: TaskEdits = NO_EDIT
+    times: str = ""
+    """Of a task: the table of times, TOML."""
+    memory: Memory = field(default_factory=Memory)
+    """Of a task: what its plans before edits found."""
 
     @property
     def mockup(self) -> Mockup:

@@ -30,6 +30,7 @@ from feeler.workbench.document.answers import (
     Replayed,
     SequenceFilm,
     Snapped,
+    TaskSight,
     ToolGhost,
     Written,
     WrittenPage,
@@ -43,6 +44,7 @@ from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry, HeldGeometry
 from feeler.workbench.engine.parts import PartTools
+from feeler.workbench.engine.standing import Standing
 from feeler.workbench.files import static_files
 from feeler.workbench.session import export, films, page, saving
 from feeler.workbench.session.finding_jobs import (
@@ -59,7 +61,8 @@ from feeler.workbench.session.finding_jobs import (
 from feeler.workbench.session.report_jobs import report_file
 from feeler.workbench.session.requirement_jobs import export_requirements, verified
 from feeler.workbench.session.sent_files import SentFiles
-from feeler.workbench.session.task_answers import tool_at
+from feeler.workbench.session.task_answers import parts_at, tool_at
+from feeler.workbench.session.task_sight import gone_before, seen_at
 
 PAGE = "mock-up.html"
 MOST_QUERY = 1_000
@@ -177,6 +180,23 @@ def task_tool(place: Place, given: Arguments) -> ToolGhost | None:
         return None
     geometry = HeldGeometry(tool_at(place.tool(steps[number]["tool"]), way[-1]), 0)
     return {"manifest": geometry.manifest(), "data": base64.b64encode(geometry.data()).decode("ascii")}
+
+
+def task_sight(place: Place, given: Arguments) -> TaskSight | None:
+    """What is seen of the fastener of a step of a task before it is undone; None: the step has none."""
+    number, which = given.whole("id"), given.whole("step")
+    answer = place.cards(number)
+    steps = answer["task"]["steps"] if "task" in answer else []
+    if which >= len(steps):
+        raise given.fail("step", f"there is no step {which}", f"it has {plural(len(steps), 'step')}")
+    card = next((each for each in place.document.cards if each.id == number), None)
+    if card is None or steps[which]["verb"] not in ("undo", "disconnect"):
+        return None
+    gone = {*gone_before(steps, answer["ways"], which), *card.without}
+    gone |= {*parts_at(place.scene.mockup, card.edits.off)}
+    scene = Standing(place.scene).scene(place.document, tuple(gone))
+    part = steps[which]["part"]
+    return seen_at(scene, part) if scene.part_mask[part] else None
 
 
 def joint_to(place: Place, given: Arguments) -> JointPlace:
@@ -307,6 +327,7 @@ ASKS: dict[str, Question[Any]] = {
     "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
     "task_tool": Question(task_tool, {"id": int, "step": int}),
+    "task_sight": Question(task_sight, {"id": int, "step": int}),
     "joint_ghost": Question(joint_ghost, {"name": str}),
     "joint_to": Question(joint_to, {"name": str, "value": float | None}),
     "record": Question(record, {}),

@@ -6,10 +6,12 @@ import os
 import threading
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from feeler.arguments import near
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.progress import Progress
+from feeler.tasks.replanning import Memory
 from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.document import Card, Document
 from feeler.workbench.document.known import Way
@@ -24,6 +26,9 @@ TELL_S = 0.2
 """Progress is told at most this often."""
 OPEN = ("waiting", "running")
 """States of cards without an answer."""
+
+MOST_MEMORIES = 8
+"""Cards whose plans are remembered, the last ones."""
 
 Told = Callable[..., None]
 """Changes fields of a card: `told(number, **changes)`."""
@@ -43,13 +48,15 @@ class Cards:
         self._running: dict[int, Job] = {}
         self._answers: dict[int, Answered] = {}
         self._standing: Standing | None = None
+        self._memories: dict[int, Memory] = {}
+        """What the plans of tasks found, by card: an edit asks little of it again."""
 
     def open(self, hands: Hands, kept: Mapping[int, Answered] | None = None) -> None:
         """Another mock-up is open: earlier questions are given up. kept: answers of its cards, from a project."""
         with self._lock:
             for job in self._running.values():
                 job.cancel()
-            self._running, self._answers = {}, dict(kept or {})
+            self._running, self._answers, self._memories = {}, dict(kept or {}), {}
             self._standing = Standing(hands.scene)
 
     def follow(self, before: Document, after: Document, hands: Hands) -> None:
@@ -159,8 +166,21 @@ class Cards:
         tools = {str(name): hands.tool(str(name)) for name in names}
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
-        asked = Asked(scene, there, card.options, tools, hands.built_in(), threads, card.edits)
-        return task_answer(asked, progress) if card.question == "task" else ANSWERS[card.question](asked, progress)
+        asked = Asked(
+            scene, there, card.options, tools, hands.built_in(), threads, card.edits, document.task_times.toml
+        )
+        if card.question != "task":
+            return ANSWERS[card.question](asked, progress)
+        # Taken away meanwhile: a plan that is cancelled may leave half of something.
+        with self._lock:
+            memory = self._memories.pop(card.id, None) or Memory()
+        found = task_answer(replace(asked, memory=memory), progress)
+        with self._lock:
+            if self._standing is standing:
+                self._memories[card.id] = memory
+                for number in list(self._memories)[:-MOST_MEMORIES]:
+                    del self._memories[number]
+        return found
 
     def _give_up(self, number: int, is_gone: bool) -> None:
         with self._lock:
@@ -169,3 +189,4 @@ class Cards:
                 job.cancel()
             if is_gone:
                 self._answers.pop(number, None)
+                self._memories.pop(number, None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -14,9 +13,9 @@ from feeler.mockup import Mockup, Tool
 from feeler.plan.catalogue import Catalogue, catalogue
 from feeler.progress import Progress
 from feeler.tasks.answer import Task
-from feeler.tasks.planning import task
+from feeler.tasks.planning import planned
 from feeler.tasks.steps import TaskBlocker, TaskStep, clock
-from feeler.tasks.times import Times
+from feeler.tasks.times import Times, WholePath
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import TaskAnswer, TaskBlockerFacts, TaskStepFacts, WayFacts
 from feeler.workbench.document.document import TaskEdits
@@ -42,11 +41,12 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
         return Answered("It is off already.", True)
     edits, there = asked.edits, set(np.flatnonzero(asked.scene.part_mask).tolist())
     pairs = [(parts_at(asked.mockup, (one,)), parts_at(asked.mockup, (other,))) for one, other in edits.before]
-    found = task(
+    found = planned(
+        asked.memory,
         asked.scene,
         list(asked.parts),
         _tools(asked),
-        Times(typed={glob.escape(path): seconds for path, seconds in edits.times}),
+        _times(asked),
         people=int(asked.options.get("people", 1)),
         before=[(one, other) for one, other in pairs if there.issuperset(one) and there.issuperset(other)],
         seconds=asked.number("seconds", SECONDS),
@@ -68,6 +68,14 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
     rows = tuple(_way_facts(asked.mockup, way, step) for way, step in zip(ways, found.steps, strict=True))
     said = found.said[:1].upper() + found.said[1:].replace("+-", "±")
     return Answered(f"{said}.", found.is_found, ways, rows, facts=_totals(found), task=facts)
+
+
+def _times(asked: Asked) -> Times:
+    """The table of the project, with the times that were typed."""
+    table = Times.parse(asked.times)
+    given = {name: each for name, each in table.elements.items() if name not in table.examples}
+    typed: dict[str, Any] = {WholePath(path): seconds for path, seconds in asked.edits.times}
+    return Times(given, pitches_mm=table.pitches_mm, typed=typed | table.typed)
 
 
 def _tools(asked: Asked) -> Catalogue | dict[str, Any] | None:
