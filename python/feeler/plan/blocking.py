@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +21,7 @@ from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
 
 Floats = npt.NDArray[np.float64]
 
@@ -134,6 +136,10 @@ class BlockingGraph:
             self._holding[node] = frozenset(map(self.question.node_of, fasteners)) - self.question.kept - {node}
         return self._holding[node]
 
+    def axes(self, parts: tuple[int, ...]) -> list[Floats]:
+        """The axes of the fasteners among parts."""
+        return [fastener.axis for fastener in self.joints.among(parts)]
+
     def learn(self, node: int, exit_: Exit) -> None:
         """Adds an exit found by other means."""
         self._exits[node] = undominated([*self.exits(node), exit_])
@@ -199,7 +205,7 @@ class _Source:
         holding = graph.holding(self.node)
         if self._mover is None:
             self._mover = _Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
-            self._directions = list(self._mover.directions())
+            self._directions = list(self._mover.opposing)
         while self.done < len(self._directions):
             if not graph.clock.goes_on():
                 return None
@@ -225,35 +231,65 @@ class _Mover:
         # Parts that leave before it, or may touch it.
         self.passed = graph.allowed | before
         self.parts = self.question.parts_of([node])
-        self.tool = self.question.moving([node])
-        self.rest = self.question.scene.without(list(self.parts))
-        self.size = float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
+        self._facts = [graph.overlap, [PartNumber(part) for part in sorted(self.passed)]]
+        asked = self.question.grip["directions"] if node == TARGET else None
+        self._given: list[Floats] = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
+        rows, *sets = self._recalled("directions", [each.tolist() for each in self._given], self._looked)
+        self.opposing = {tuple(direction): set(parts) for direction, parts in rows}
+        """The directions to try, in their order, and the touching parts against each."""
+        self.seats, self.flush, self.doubtful = sets[0], set(sets[1]), set(sets[2])
+
+    def _recalled(
+        self, kind: str, more: list[Any], ask: Callable[[], Any], is_enough: Callable[[Any], bool] = lambda _: True
+    ) -> Any:
+        """A question about it. With a gripping tool none is remembered."""
+        if self.node == TARGET and self.question.grip["tool"] is not None:
+            return ask()
+        return self.question.scene._recalled(kind, self.parts, [*more, *self._facts], ask, is_enough)
+
+    @cached_property
+    def tool(self) -> Tool:
+        """The moving parts."""
+        return self.question.moving([self.node])
+
+    @cached_property
+    def rest(self) -> Scene:
+        """The scene without them."""
+        return self.question.scene.without(list(self.parts))
+
+    @cached_property
+    def size(self) -> float:
+        """The diagonal of their box, metres."""
+        return float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
+
+    def _looked(self) -> list[Any]:
+        """The directions with the parts against each, and the parts that it touches or intersects at the start."""
         touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
         self.contacts = self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
         is_touching = np.abs(self.contacts.gaps) <= TOUCH_M
-        self.flush = flush = set(self.contacts.parts[is_touching].tolist())
+        flush = set(self.contacts.parts[is_touching].tolist())
         deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
         met = {int(part) for part in touching.parts}
         # Casts find touching parts; measured depths find parts that intersect it.
-        self.seats = sorted((met - flush | deep) - self.passed)
-        self.doubtful: set[int] = set()
+        seats = (met - flush | deep) - self.passed
+        directions, doubtful = self._directions()
+        rows = [[list(direction), _numbers(self._opposed(direction))] for direction in directions]
+        return [rows, _numbers(seats), _numbers(flush), _numbers(doubtful)]
 
-    def directions(self) -> Iterator[Direction]:
-        """The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
+    def _directions(self) -> tuple[list[Direction], set[int]]:
+        """Directions, and flush parts that may not hold it. The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
         two contacts, both ways, those opposed by the fewest touching parts first."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
                 normals.append(normal)
         normals = normals[:MOST_NORMALS]
-        axes = [fastener.axis for fastener in self.graph.joints.among(self.parts)]
+        axes = self.graph.axes(self.parts)
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
-        asked = self.question.grip["directions"] if self.node == TARGET else None
-        given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
         lines = [*np.eye(3), *axes, *normals[:FIRST_NORMALS], *(line for line in across if np.linalg.norm(line) > 0.1)]
         lines += normals[FIRST_NORMALS:]
         all_: list[Direction] = []
-        for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
+        for line in [*self._given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
             unit = line / np.linalg.norm(line)
             unit[np.abs(unit) < 1e-9] = 0.0
             if all(float(unit @ np.array(other)) < SAME_COSINE for other in all_):
@@ -264,11 +300,14 @@ class _Mover:
             self.contacts.parts[(np.abs(self.contacts.gaps) <= TOUCH_M) & (self.contacts.gaps < 0.0)].tolist()
         )
         for direction in chosen:
-            rounding &= self.opposed(direction)
-        self.doubtful = rounding
-        return iter(sorted(chosen, key=lambda direction: len(self.opposed(direction))))
+            rounding &= self._opposed(direction)
+        return sorted(chosen, key=lambda direction: len(self._opposed(direction))), rounding
 
     def opposed(self, direction: Direction) -> set[int]:
+        """Touching parts with a contact plane against one of the directions."""
+        return self.opposing[direction]
+
+    def _opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
         against = self.contacts.normals @ np.array(direction) < -OPPOSED
         touching = np.abs(self.contacts.gaps) <= TOUCH_M
@@ -277,11 +316,32 @@ class _Mover:
     def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
         """All other parts that block a direction; `None` if a kept part does, if there are more than `most`, or if the
         time is up."""
+        told = self._recalled(
+            "along", [list(direction)], lambda: self._met(direction, most), lambda told: self._found(told, most)[1]
+        )
+        return self._found(told, most)[0]
+
+    def _found(self, told: Sequence[Any], most: int) -> tuple[frozenset[int] | None, bool]:
+        """What `blockers` says of what was met, and whether that is enough to say it."""
+        kept = self.question.kept
+        first, hits, is_all = told
+        found = set(first)
+        for part in hits:
+            if found & kept or len(found) > most:
+                return None, True
+            found.add(part)
+        if found & kept or len(found) > most:
+            return None, True
+        return (frozenset(found), True) if is_all else (None, False)
+
+    def _met(self, direction: Direction, most: int) -> list[Any]:
+        """The parts against a direction at the start, those that it hits on its way, and whether these are all."""
         kept = self.question.kept
         opposed = self.opposed(direction)
         found = opposed - self.doubtful
         if not found & kept:
             found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
+        first, hits = _numbers(found), list[PartNumber]()
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
         pose, far = np.eye(4), self._moved(direction, self._way_out(direction))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
@@ -290,14 +350,15 @@ class _Mover:
             # The next cast starts where the last one hit.
             hit = self.rest.cast(self.tool, pose, far, touching="free", ignore=ignore)
             if hit is None:
-                return frozenset(found)
+                return [first, hits, True]
             passed.add(hit.part)
             pose = hit.pose
             # Flush faces in no special direction cross by rounding: depth tells whether it enters.
             is_rounding = hit.part in self.flush and float(np.abs(pose[:3, 3]).max()) <= TOUCH_M
             if not (self.graph.overlap or is_rounding) or self._deeper(direction, {hit.part}):
                 found.add(hit.part)
-        return None
+                hits.append(PartNumber(hit.part))
+        return [first, hits, False]
 
     def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
         """The parts that it enters deeper along a direction than at the start, by samples."""
@@ -342,12 +403,16 @@ class _Mover:
         return max(0.0, float(leave.min())) + TOUCH_M
 
 
+def _numbers(parts: Iterable[int]) -> list[PartNumber]:
+    return [PartNumber(part) for part in sorted(parts)]
+
+
 class Joints:
     """The fasteners of a scene and the parts that each joins, computed on demand."""
 
     def __init__(self, scene: Scene, look: Progress) -> None:
         """look: called often; what it raises ends the work."""
-        self.scene, self._look = scene, look
+        self.scene, self.look = scene, look
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._seen: set[int] = set()
         self._rows: dict[int, Fastener] = {}
@@ -357,7 +422,7 @@ class Joints:
         """The parts that are fasteners."""
         new = sorted(set(parts) - self._seen)
         if new:
-            rows = find_fasteners(self.scene, new, self._look)
+            rows = find_fasteners(self.scene, new, self.look)
             self._seen.update(new)
             self._rows.update((row.part, row) for row in rows if row.confidence >= NAMED)
         return [self._rows[part] for part in parts if part in self._rows]
@@ -379,7 +444,7 @@ class Joints:
         """The parts that a fastener joins: those around its shank, and under its nut."""
         known = self._joined.get(row.part)
         if known is None:
-            self._look(0.0, "")
+            self.look(0.0, "")
             rest = self.scene.without([row.part])
             shank = _shank(row, self._bounds[row.part])
             met = {int(part) for part in rest.collide(shank, row.frame).parts}

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
 from feeler.tasks.times import Arithmetic, Turns
@@ -149,7 +150,9 @@ class Fixings:
         hold, row = self._held[part], self._rows.get(part)
         if row is None:
             return Fixing(hold, None, Turns(0.0, ""), 0.0)
-        size, engaged = self._thread(row, hold)
+        facts = [[*_facts(self._rows.get(each)), each == hold.anchor] for each in (part, *hold.mates)]
+        anchor = None if hold.anchor is None else PartNumber(hold.anchor)
+        size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
         turns = self.times.turns(row.path, self._nominal(row, size), engaged)
         length = row.length if math.isfinite(row.length) else 0.0
         return Fixing(hold, row, turns, BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length))
@@ -210,6 +213,12 @@ class Fixings:
             nearest = min(fasteners, key=lambda part: (_distance(self._rows.get(part), middle), part))
             found.setdefault(nearest, []).append(washer)
         return found
+
+
+def _facts(row: Fastener | None) -> list[Any]:
+    if row is None:
+        return []
+    return [row.kind, row.drive, row.size, row.across_flats, row.length, row.head_height, row.frame.tolist()]
 
 
 def _distance(row: Fastener | None, point: Floats) -> float:

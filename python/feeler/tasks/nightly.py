@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
-import pickle
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,6 +35,7 @@ from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
 from feeler.stopping import check_stop
 from feeler.tasks.answer import Task
+from feeler.tasks.digests import digest_of, short
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.listed import Wanted, wanted_of
 from feeler.tasks.night_rows import Plan, Seeing
@@ -291,30 +290,11 @@ def _digest(tools: Any, times: Times, seconds: float, seed: int, eyes: Floats | 
 
     return {
         "version": str(_VERSION),
-        "tools": _short(_content(tools)),
-        "times": _short(times.to_toml().encode()),
+        "tools": digest_of(tools),
+        "times": short(times.to_toml().encode()),
         "search": repr((seconds, seed)),
-        "eyes": "" if eyes is None else _short(eyes.tobytes()),
+        "eyes": "" if eyes is None else short(eyes.tobytes()),
     }
-
-
-def _short(data: bytes) -> str:
-    return hashlib.blake2b(data, digest_size=12).hexdigest()
-
-
-def _content(value: Any) -> bytes:
-    """What tools are, in bytes: the same for the same shapes and options."""
-    if isinstance(value, Tool):
-        return _content([value.name, value.vertices, value.faces, value.part_of_face])
-    if isinstance(value, np.ndarray):
-        return repr((value.shape, value.dtype.str)).encode() + np.ascontiguousarray(value).tobytes()
-    if isinstance(value, Mapping):
-        return b"{" + b",".join(_content(each) for item in value.items() for each in item) + b"}"
-    if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
-        return b"[" + b",".join(_content(each) for each in value) + b"]"
-    if value is None or isinstance(value, (str, int, float, bool)) or is_dataclass(value):
-        return repr(value).encode()
-    return pickle.dumps(value, protocol=4)
 
 
 class _Night:

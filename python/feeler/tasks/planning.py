@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ from feeler.plan.question import TARGET, Clock
 from feeler.plan.removal import LARGEST_SEED, Removal, alone, removal
 from feeler.plan.sequence import Exit
 from feeler.progress import Progress
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
 from feeler.tasks.actions import Actions, Together
 from feeler.tasks.answer import Task
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
@@ -199,6 +199,34 @@ class _Checked:
     because: str
 
 
+@dataclass(frozen=True, eq=False)  # it holds an array
+class _Way:
+    """What `removal` says, as far as plans need it."""
+
+    is_found: bool
+    said: str
+    poses: Floats
+    worst: int | None
+    """The part that stopped most attempts."""
+
+    @classmethod
+    def of(cls, found: Removal) -> _Way:
+        """That of an answer."""
+        said = "; ".join(str(leg) for leg in found.legs) or found.certificate.method
+        worst = next((each.part for each in found.blocked_by), None)
+        return cls(found.is_found, said, found.poses, worst)
+
+    def plain(self) -> list[Any]:
+        """As scenes remember it."""
+        worst = None if self.worst is None else PartNumber(self.worst)
+        return [self.is_found, self.said, self.poses.tolist(), worst]
+
+    @classmethod
+    def told(cls, data: Sequence[Any]) -> _Way:
+        """What `plain` gave."""
+        return cls(data[0], data[1], np.array(data[2]).reshape(-1, 4, 4), data[3])
+
+
 class _Planner:
     """Searches plans, and checks the ways of their steps."""
 
@@ -269,33 +297,44 @@ class _Planner:
         if not found.is_found:
             self._learn(step, found)
             return None
-        method = found.certificate.method
-        said = "; ".join(str(leg) for leg in found.legs) or method
-        return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), said)
+        return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), found.said)
 
-    def _way(self, step: Ordered, parts: tuple[int, ...], gone: frozenset[int]) -> Removal:
+    def _way(self, step: Ordered, parts: tuple[int, ...], gone: frozenset[int]) -> _Way:
         scene = self.question.scene
         self.clock.tell(f"checking the way of {self.mockup.part_names[parts[0]]}")
         if int(scene.part_mask.sum()) <= len(parts) + len(gone):
-            return alone(int(self.question.options["seed"]))
+            return _Way.of(alone(int(self.question.options["seed"])))
         motion: Any = step.unit.motion
         is_straight = isinstance(motion, tuple) and len(motion) == 3
-        return removal(
-            scene.without(sorted(gone)) if gone else scene,
-            list(parts),
-            directions=[motion] if is_straight else None,
-            seconds=self.clock.left,
-            rounds=STRAIGHT_ROUNDS if is_straight else BENT_ROUNDS,
-            seed=self.question.options["seed"],
-            threads=self.question.options["threads"],
-            progress=lambda _share, _stage: self.clock.look(),
-        )
+        return self._removed(parts, gone, motion if is_straight else None)
 
-    def _learn(self, step: Ordered, tried: Removal) -> None:
+    def _removed(self, parts: Sequence[int], gone: Iterable[int], direction: Sequence[float] | None) -> _Way:
+        """How parts leave while others are away."""
+        away, options = sorted(gone), self.question.options
+        rounds = BENT_ROUNDS if direction is None else STRAIGHT_ROUNDS
+
+        def ask() -> list[Any]:
+            way = removal(
+                scene,
+                list(parts),
+                directions=None if direction is None else [direction],
+                seconds=self.clock.left,
+                rounds=rounds,
+                seed=options["seed"],
+                threads=options["threads"],
+                progress=lambda _share, _stage: self.clock.look(),
+            )
+            return _Way.of(way).plain()
+
+        scene = self.question.scene.without(away) if away else self.question.scene
+        facts = [None if direction is None else list(direction), rounds, options["seed"]]
+        return _Way.told(scene._recalled("way", parts, facts, ask))
+
+    def _learn(self, step: Ordered, tried: _Way) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
         graph, question = self.actions.graph, self.question
         items = set(step.unit.items)
-        more = next((question.node_of(each.part) for each in tried.blocked_by), None)
+        more = None if tried.worst is None else question.node_of(tried.worst)
         for item in step.unit.items:
             for one in graph.forget(item, step.unit.motion):
                 if more is not None and more not in items | question.kept | {TARGET}:
@@ -316,17 +355,9 @@ class _Planner:
                 continue
             self.tries += 1
             self.clock.tell(f"searching a bent way of {self.mockup.part_names[parts[0]]}")
-            way = removal(
-                question.scene.without(away) if away else question.scene,
-                parts,
-                seconds=self.clock.left,
-                rounds=BENT_ROUNDS,
-                seed=question.options["seed"],
-                threads=question.options["threads"],
-                progress=lambda _share, _stage: self.clock.look(),
-            )
+            way = self._removed(parts, away, None)
             if way.is_found:
-                met = frozenset(node for node in gone if question.is_met(frozenset([item]), node, way))
+                met = frozenset(node for node in gone if question.is_met(frozenset([item]), node, way.poses))
                 graph.learn(item, Exit((self.tries,), met - {item}))
                 return True
         return False

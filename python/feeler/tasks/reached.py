@@ -17,10 +17,10 @@ from feeler.errors import MeshError, OptionError
 from feeler.mockup import Tool
 from feeler.plan.catalogue import Catalogue, catalogue, name_of, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners
-from feeler.plan.reach import Reach
 from feeler.plan.reaching import access
 from feeler.plan.tool_seat import seated_tool
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
+from feeler.tasks.digests import digest_of
 from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
@@ -67,6 +67,29 @@ class _Held:
     name: str
     tool: Tool
     options: dict[str, Any]
+    digest: str
+
+
+@dataclass(frozen=True, eq=False)  # it holds an array
+class _Told:
+    """What `access` says of one fastener."""
+
+    tool: str
+    swing_deg: float
+    stroke_deg: float
+    """0 where it is not reached."""
+    because: str
+    way: Floats
+    own: Counter[int]
+    """How often parts are in the way of the tool."""
+    tried: Counter[int]
+    """And of all that were tried before it."""
+
+    @property
+    def worst(self) -> tuple[int, ...]:
+        """The parts in the way, the worst first."""
+        counts = self.own + self.tried
+        return tuple(sorted(counts, key=lambda part: (-counts[part], part)))
 
 
 class Reaching:
@@ -81,6 +104,7 @@ class Reaching:
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._near: dict[int, frozenset[int]] = {}
         self._known: dict[int, dict[frozenset[int], Reached]] = {}
+        self._digests: dict[int, str] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
@@ -124,24 +148,45 @@ class Reaching:
             return Reached((Tooled("", ASSUMED_DEG, np.empty((0, 4, 4)), said, ASSUMED_DEG),), (), near, said)
         scene = self.scene.without(sorted(out)) if out else self.scene
         if self.catalogue is not None:
-            answer = access(scene, self.catalogue, Fasteners([row]), threads=self.threads)[0]
-            return Reached(
-                _tooled(answer, answer.tool or "", answer.because), _in_the_way(answer), near, answer.because
-            )
+            told = self._told(scene, self.catalogue, row, {}, self._fitting(row))
+            return Reached(_tooled(told, told.tool, told.because), told.worst, near, told.because)
         found: list[Tooled] = []
-        blockers: dict[int, int] = {}
+        blockers: Counter[int] = Counter()
         reasons = []
         for held in self.tools:
-            answer = access(scene, held.tool, Fasteners([row]), threads=self.threads, **held.options)[0]
-            because = f"{held.name}: {answer.because}" if len(self.tools) > 1 else answer.because
-            found += _tooled(answer, held.name, because)
-            if not answer.is_reachable:
+            told = self._told(scene, held.tool, row, held.options, held.digest)
+            because = f"{held.name}: {told.because}" if len(self.tools) > 1 else told.because
+            found += _tooled(told, held.name, because)
+            if not told.stroke_deg:
                 reasons.append(because)
-            for each in answer.blockers:
-                if each.part != row.part:
-                    blockers[each.part] = blockers.get(each.part, 0) + each.count
+            blockers.update(told.own)
         worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
         return Reached(tuple(found), worst, near, "; ".join(reasons))
+
+    def _told(
+        self, scene: Scene, tool: Tool | Catalogue, row: Fastener, options: Mapping[str, Any], digest: str
+    ) -> _Told:
+        """What `access` says of one fastener. digest: of the tool, or of those that fit."""
+
+        def ask() -> list[Any]:
+            answer = access(scene, tool, Fasteners([row]), threads=self.threads, **options)[0]
+            stroke = (answer.stroke_deg or answer.swing_deg) if answer.is_reachable else 0.0
+            own, tried = Counter({each.part: each.count for each in answer.blockers}), Counter[int]()
+            for each in answer.tried:
+                tried.update({block.part: block.count for block in each.blockers})
+            counts = [[[PartNumber(part), n] for part, n in some.items() if part != row.part] for some in (own, tried)]
+            return [answer.tool or "", answer.swing_deg, stroke, answer.because, answer.way.tolist(), *counts]
+
+        told = scene._recalled("reach", [row.part], [digest, *_facts(row)], ask)
+        return _Told(*told[:4], np.array(told[4]).reshape(-1, 4, 4), *(Counter(dict(each)) for each in told[5:]))
+
+    def _fitting(self, row: Fastener) -> str:
+        """The digest of all of a catalogue that bears on a fastener."""
+        assert self.catalogue is not None
+        if row.part not in self._digests:
+            fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size)
+            self._digests[row.part] = digest_of(fitting or list(self.catalogue))
+        return self._digests[row.part]
 
     def any_of(self, row: Fastener, out: frozenset[int], turns: float) -> tuple[Tooled, ...]:
         """The tools that reach a fastener while parts are out, and may be the quickest: of a catalogue the first that
@@ -156,8 +201,8 @@ class Reaching:
         found = list(first)
         for pieces in later:
             own = Catalogue(list(dict.fromkeys(pieces)))
-            answer = access(scene, own, Fasteners([row]), threads=self.threads)[0]
-            found += _tooled(answer, answer.tool or "", answer.because)
+            told = self._told(scene, own, row, {}, digest_of(list(own)))
+            found += _tooled(told, told.tool, told.because)
             if found[-1].stroke_deg >= 360.0:
                 break
         return tuple(found)
@@ -180,18 +225,13 @@ def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
     return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
 
 
-def _tooled(answer: Reach, name: str, because: str) -> tuple[Tooled, ...]:
-    if not answer.is_reachable:
-        return ()
-    return (Tooled(name, answer.swing_deg, answer.way, because, answer.stroke_deg or answer.swing_deg),)
+def _tooled(told: _Told, name: str, because: str) -> tuple[Tooled, ...]:
+    return (Tooled(name, told.swing_deg, told.way, because, told.stroke_deg),) if told.stroke_deg else ()
 
 
-def _in_the_way(answer: Reach) -> tuple[int, ...]:
-    """The parts in the way of the tool, and of all that were tried before it, the worst first."""
-    counts = Counter({each.part: each.count for each in answer.blockers})
-    for tried in answer.tried:
-        counts.update({each.part: each.count for each in tried.blockers})
-    return tuple(sorted(counts.keys() - {answer.part}, key=lambda part: (-counts[part], part)))
+def _facts(row: Fastener) -> list[Any]:
+    """What `access` knows of a fastener."""
+    return [row.kind, row.drive, row.size, row.across_flats, row.length, row.head_height, row.frame.tolist()]
 
 
 def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:
@@ -240,7 +280,8 @@ def _held(name: object, given: object) -> _Held:
         raise OptionError(f"tools: the option {odd[0]!r} is unknown; options are {', '.join(sorted(known))}")
     if not isinstance(options.get("lift", 0.0), (int, float)) or not math.isfinite(options.get("lift", 0.0)):
         raise OptionError("tools: lift is one number of metres, for all fasteners")
-    return _Held(str(tool.name or "tool") if name is None else str(name), tool, dict(options))
+    held = dict(options)
+    return _Held(str(tool.name or "tool") if name is None else str(name), tool, held, digest_of([tool, held]))
 
 
 def _is_pair(given: object) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +15,8 @@ Bools = npt.NDArray[np.bool_]
 
 GROWN_M = 2e-6
 """What regions are grown by, metres: more than casts, and the decimals of a file, are off by."""
+SHORT_M = 1e-12
+"""Sweeps that are no longer are boxes, metres."""
 _DECIMALS = 7
 _LOOSE = 1.2
 """A box takes in others, the largest first, until it is this much larger."""
@@ -47,6 +50,19 @@ class Regions:
         if ((self.solids[:, 0] <= bounds[1] + GROWN_M) & (self.solids[:, 1] >= bounds[0] - GROWN_M)).all(axis=1).any():
             return True
         return self.meets(*bounds) and any(self.meets(*each) for each in surface)
+
+    def near(self, bounds: Floats) -> Bools:
+        """Of boxes `(n, 2, 3)`, whether `bear` may be true, by the box around each sweep: `(n,)`."""
+        if self.is_all:
+            return np.ones(len(bounds), dtype=bool)
+        ends = self.sweeps[:, :2] + self.sweeps[:, 2:]
+        swept = np.stack([np.minimum(self.sweeps[:, 0], ends[:, 0]), np.maximum(self.sweeps[:, 1], ends[:, 1])], axis=1)
+        looked = np.concatenate([self.boxes, self.solids, swept])
+        found = ~np.isfinite(bounds).all(axis=(1, 2))
+        lower, upper = bounds[:, 0] - GROWN_M, bounds[:, 1] + GROWN_M
+        for low, high in looked:
+            found |= ((lower <= high) & (upper >= low)).all(axis=1)
+        return found
 
     def meets(self, lower: Floats, upper: Floats) -> bool:
         """Whether a box `(3,)`, `(3,)` meets where they looked for surfaces. A box that is not finite does."""
@@ -90,34 +106,81 @@ class Noted:
     def __init__(self, lower: Floats, upper: Floats) -> None:
         """lower, upper: the box of the mock-up. Regions end there."""
         self.lower, self.upper = lower, upper
-        self.is_all = False
         self.is_on = True
         self.asked: set[str] = set()
-        self._boxes, self._solids = _Boxes(), _Boxes()
-        self._sweeps: dict[bytes, list[float]] = {}
-        self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+        self._layers = [_Layer()]
+
+    @property
+    def is_all(self) -> bool:
+        """Whether the whole mock-up was noted."""
+        return self._layers[-1].is_all
+
+    @contextmanager
+    def apart(self) -> Iterator[Callable[[], Regions]]:
+        """Notes what follows also by itself. Gives a function that says where it looked so far."""
+        layer, was_on = _Layer(), self.is_on
+        self._layers.append(layer)
+        self.is_on = True
+        try:
+            yield layer.regions
+        finally:
+            self._layers.pop()
+            self.is_on = was_on
+            self.add(layer.regions())
 
     def all(self) -> None:
         """Notes the whole mock-up."""
-        self.is_all = self.is_all or self.is_on
+        layer = self._layers[-1]
+        layer.is_all = layer.is_all or self.is_on
+
+    def add(self, regions: Regions) -> None:
+        """Notes all of some regions."""
+        if regions.is_all:
+            return self.all()
+        layer = self._layers[-1]
+        if self.is_on and not layer.is_all:
+            layer.boxes.extend(regions.boxes)
+            layer.solids.extend(regions.solids)
+            for lower, upper, way in regions.sweeps:
+                layer.sweep(lower, upper, way)
 
     def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
         """Notes a box. is_solid: also what is around it."""
-        if not self.is_on or self.is_all:
+        layer = self._layers[-1]
+        if not self.is_on or layer.is_all:
             return
         low, high = np.maximum(lower, self.lower), np.minimum(upper, self.upper)
         if (low <= high).all():
-            self._boxes.add(np.stack([low, high]))
+            layer.boxes.extend([np.stack([low, high])])
             if is_solid:
-                self._solids.add(np.stack([low, high]))
+                layer.solids.extend([np.stack([low, high])])
 
     def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
         """Notes a box that moves straight."""
-        length = float(np.linalg.norm(way))
-        if not self.is_on or self.is_all:
+        layer = self._layers[-1]
+        if not self.is_on or layer.is_all:
             return
-        if length < 1e-12:
+        if float(np.linalg.norm(way)) < SHORT_M:
             return self.box(lower, upper)
+        layer.sweep(lower, upper, way)
+
+    def regions(self) -> Regions:
+        """All that was noted."""
+        return replace(self._layers[-1].regions(), asked=frozenset(self.asked))
+
+
+class _Layer:
+    """Regions that grow."""
+
+    def __init__(self) -> None:
+        self.is_all = False
+        self.boxes, self.solids = _Boxes(), _Boxes()
+        self._sweeps: dict[bytes, list[float]] = {}
+        self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+
+    def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
+        """A box that moves straight; those of one box along one line become one."""
+        length = float(np.linalg.norm(way))
         along, half, middle = way / length, 0.5 * (upper - lower), 0.5 * (upper + lower)
         start = float(middle @ along)
         across = middle - start * along
@@ -127,16 +190,16 @@ class Noted:
         known[0], known[1] = min(known[0], start), max(known[1], start + length)
 
     def regions(self) -> Regions:
-        """All that was noted."""
-        asked = frozenset(self.asked)
+        """All of it."""
         if self.is_all:
-            return replace(Regions.everything(), asked=asked)
+            return Regions.everything()
         sweeps = [
             np.stack([across + begin * along - half, across + begin * along + half, (end - begin) * along])
             for key, (begin, end) in self._sweeps.items()
             for half, along, across in [self._shapes[key]]
         ]
-        return Regions(False, self._boxes.joined(), np.array(sweeps).reshape(-1, 3, 3), self._solids.joined(), asked)
+        boxes, solids = self.boxes.joined().copy(), self.solids.joined().copy()
+        return Regions(False, boxes, np.array(sweeps).reshape(-1, 3, 3), solids, frozenset())
 
 
 class _Boxes:
@@ -147,9 +210,9 @@ class _Boxes:
         self._kept = np.empty((0, 2, 3))
         self._most = np.empty(0)
 
-    def add(self, box: Floats) -> None:
-        """Adds a box `(2, 3)`."""
-        self._new.append(box)
+    def extend(self, boxes: Iterable[Floats]) -> None:
+        """Adds boxes, each `(2, 3)`."""
+        self._new += boxes
         if len(self._new) >= _MOST_LOOSE:
             self.joined()
 

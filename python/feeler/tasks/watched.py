@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -14,9 +14,11 @@ from feeler import _core
 from feeler.plan.removal import Removal
 from feeler.poses import one_pose
 from feeler.scene import CAST_TOLERANCE, Scene
-from feeler.tasks.regions import Noted, box_of
+from feeler.tasks.memory import Answer, Memory
+from feeler.tasks.regions import Noted, Regions, box_of
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 TOUCH_M = 1e-4
 NEAR_SHARE = 0.03
@@ -27,18 +29,42 @@ _QUIET = "looking at what leaves together"
 """While `task` is at this stage it asks of all fasteners; `maintain` compares these answers by themselves."""
 
 
+class Recall:
+    """What one row takes from a memory, and adds to it."""
+
+    def __init__(self, memory: Memory, goes_on: Callable[[], bool]) -> None:
+        """goes_on: whether there is time left: answers that time ended are not kept."""
+        self.memory, self._goes_on = memory, goes_on
+        self.new: list[Answer] = []
+        self.known = 0
+        """Answers that were taken from the memory."""
+
+    def used(self, answer: Answer) -> None:
+        """An answer was taken."""
+        self.known += 1
+        self.memory.used(answer)
+
+    def found(self, key: str, told: Any, regions: Regions, present: Bools) -> None:
+        """An answer was computed in a scene with these parts."""
+        if self._goes_on():
+            self.new.append(self.memory.note(key, told, regions, present))
+
+
 class WatchedScene(Scene):
     """A scene whose queries note where they look. Queries that it does not know note the whole mock-up."""
 
     _noted: Noted
+    _recall: Recall | None
 
     @classmethod
-    def of(cls, scene: Scene) -> WatchedScene:
-        """The same scene, watched. `noted` has what its queries look at, and those of all scenes made of it."""
+    def of(cls, scene: Scene, recall: Recall | None = None) -> WatchedScene:
+        """The same scene, watched. `noted` has what its queries look at, and those of all scenes made of it. recall:
+        where answers are remembered."""
         selected = _core.Scene._selected_without(scene, [])
         made = _core.Scene.__new__(cls, selected)
         made.build_seconds, made._given = 0.0, scene._given
         made._noted = Noted(*box_of(scene.mockup.part_bounds.reshape(-1, 2, 3)))
+        made._recall = recall
         return made
 
     @property
@@ -53,8 +79,36 @@ class WatchedScene(Scene):
     def _made_of(self, selected: _core.Selected) -> Scene:
         made = super()._made_of(selected)
         assert isinstance(made, WatchedScene)
-        made._noted = self._noted
+        made._noted, made._recall = self._noted, self._recall
         return made
+
+    def _recalled(
+        self,
+        kind: str,
+        own: Sequence[int],
+        facts: Any,
+        ask: Callable[[], Any],
+        is_enough: Callable[[Any], bool] = lambda _: True,
+    ) -> Any:
+        """See `Scene._recalled`."""
+        recall = self._recall
+        if recall is None:
+            return ask()
+        present = self.part_mask
+        key = recall.memory.key(kind, own, facts)
+        for answer in recall.memory.find(key, present):
+            try:
+                told = recall.memory.told(answer.data)
+            except (KeyError, TypeError):
+                continue
+            if is_enough(told):
+                recall.used(answer)
+                self._noted.add(answer.regions)
+                return told
+        with self._noted.apart() as looked:
+            told = ask()
+            recall.found(key, told, looked(), present)
+        return told
 
     def _note(self, tool: _core.Tool, pose: Any, grown: float = 0.0, is_solid: bool = False) -> None:
         if math.isfinite(grown):
