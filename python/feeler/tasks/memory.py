@@ -6,25 +6,22 @@ same parts, unmoved, are there, and no others.
 
 from __future__ import annotations
 
-import hashlib
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.scene import PartNumber
+from feeler.tasks.digests import short
 from feeler.tasks.regions import Regions
 from feeler.tasks.snapshots import Changes, Snapshot
 
 Bools = npt.NDArray[np.bool_]
 
-MOST_OF_ONE = 64
-"""Answers of one question in scenes with other parts out."""
-MOST_ANSWERS = 400_000
-"""Answers of a run; those that were used last stay."""
 _PART = "part"
 
 
@@ -41,6 +38,12 @@ class Answer:
     """The parts that were in the scene where it looked."""
     missed: frozenset[str]
     """Those that would have been there, but were out."""
+
+    @cached_property
+    def name(self) -> str:
+        """The same for the same question among the same parts."""
+        said = repr((self.key, sorted(self.met)))
+        return short(said.encode("utf-8", "surrogatepass"))
 
     def to_list(self, numbers: Mapping[str, int]) -> list[Any]:
         """As JSON, parts by number."""
@@ -71,7 +74,7 @@ class _Known:
 
 
 class Memory:
-    """The answers that rows of a run share. It is used by many threads, and by processes as copies."""
+    """The answers that rows of a run share. It is used by many threads. Its pickle is without answers."""
 
     def __init__(self, keys: Sequence[str], snapshot: Snapshot, answers: Iterable[Answer] = ()) -> None:
         """keys: the path of each part of the mock-up, as `keys_of`; snapshot: those that are in the scene."""
@@ -82,31 +85,27 @@ class Memory:
         seen = list(snapshot.parts.values())
         self._seen = seen
         self._bounds = np.array([each.box for each in seen]).reshape(-1, 2, 3)
-        self._known: dict[str, list[_Known]] = {}
+        self._known: dict[str, dict[str, _Known]] = {}
         self._lock = threading.Lock()
-        for answer in answers:
-            self._add(answer)
+        self.take(answers)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name != "_lock"}
+        return {name: value for name, value in vars(self).items() if name not in ("_lock", "_known")}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         vars(self).update(state)
-        self._lock = threading.Lock()
-
-    def __len__(self) -> int:
-        return sum(map(len, self._known.values()))
+        self._known, self._lock = {}, threading.Lock()
 
     def __iter__(self) -> Iterator[Answer]:
-        """The answers, those that were used last at the end."""
-        for key in list(self._known):
-            yield from (each.answer for each in self._known.get(key, ()))
+        """All answers."""
+        for rows in list(self._known.values()):
+            yield from (each.answer for each in rows.values())
 
     def key(self, kind: str, own: Sequence[int], facts: Any) -> str:
         """The key of a question. own: parts that it moves; facts: all else that it depends on but for the scene."""
         moved = [(self._keys[part], self._digests.get(self._keys[part], "")) for part in own]
         said = repr((kind, moved, self.plain(facts)))
-        return hashlib.blake2b(said.encode("utf-8", "surrogatepass"), digest_size=12).hexdigest()
+        return short(said.encode("utf-8", "surrogatepass"))
 
     def plain(self, data: Any) -> Any:
         """Data as JSON, parts by path."""
@@ -128,14 +127,8 @@ class Memory:
 
     def find(self, key: str, present: Bools) -> list[Answer]:
         """The answers of a question that hold in a scene with these parts, the newest first."""
-        return [each.answer for each in reversed(self._known.get(key, ())) if each.holds(present)]
-
-    def used(self, answer: Answer) -> None:
-        """Moves a question to those that were used last."""
-        with self._lock:
-            rows = self._known.pop(answer.key, None)
-            if rows is not None:
-                self._known[answer.key] = rows
+        rows = self._known.get(key)
+        return [each.answer for each in reversed(list(rows.values())) if each.holds(present)] if rows else []
 
     def note(self, key: str, data: Any, regions: Regions, present: Bools) -> Answer:
         """Keeps the answer that was found in a scene with these parts."""
@@ -143,20 +136,17 @@ class Memory:
         is_in = [bool(present[self._index[each]]) for each in there]
         met = frozenset(each for each, flag in zip(there, is_in, strict=True) if flag)
         answer = Answer(key, self.plain(data), regions, met, frozenset(there) - met)
-        self._add(answer)
+        self.take([answer])
         return answer
 
     def take(self, answers: Iterable[Answer]) -> None:
-        """Adds answers of a worker elsewhere."""
+        """Adds answers."""
         for answer in answers:
-            if not any(each.answer.met == answer.met for each in self._known.get(answer.key, ())):
-                self._add(answer)
-
-    def _add(self, answer: Answer) -> None:
-        known = _Known(answer, self._numbers(answer.met), self._numbers(answer.missed))
-        with self._lock:
-            rows = self._known.pop(answer.key, [])
-            self._known[answer.key] = [*rows[max(0, len(rows) + 1 - MOST_OF_ONE) :], known]
+            known = _Known(answer, self._numbers(answer.met), self._numbers(answer.missed))
+            with self._lock:
+                rows = self._known.get(answer.key, {})
+                # Others may go through it meanwhile.
+                self._known[answer.key] = {**rows, answer.name: known}
 
     def _numbers(self, some: Iterable[str]) -> npt.NDArray[np.intp]:
         return np.array(sorted(self._index[each] for each in some), dtype=np.intp)
@@ -166,7 +156,7 @@ class Memory:
         if regions.is_all:
             return list(range(len(self._parts)))
         near = regions.near(self._bounds)
-        return [n for n in np.flatnonzero(near) if regions.bear(self._seen[n].bounds, self._seen[n].boxes)]
+        return [n for n in np.flatnonzero(near).tolist() if regions.bear(self._seen[n].bounds, self._seen[n].boxes)]
 
 
 def carried(answers: Iterable[Answer], old: Snapshot, new: Snapshot, changes: Changes) -> Iterator[Answer]:

@@ -8,7 +8,9 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -38,14 +40,16 @@ from feeler.tasks.answer import Task
 from feeler.tasks.digests import digest_of, short
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.listed import Wanted, wanted_of
+from feeler.tasks.memory import Answer, Memory, carried
 from feeler.tasks.night_rows import Plan, Seeing
 from feeler.tasks.planning import task
 from feeler.tasks.reached import Reaching
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of
+from feeler.tasks.stored_answers import StoredAnswers
 from feeler.tasks.times import Times
-from feeler.tasks.watched import WatchedScene
+from feeler.tasks.watched import Recall, WatchedScene
 
 Floats = npt.NDArray[np.float64]
 
@@ -117,8 +121,8 @@ def maintain(
     held = holds(scene, fasteners)
     snapshot = Snapshot.of(scene, fasteners, held)
     options = _digest(tools, table, limit, seed, places)
-    asked = _Asked(tools, table, limit, seed, fasteners, held, places)
-    night = _Night(scene, wanted, options, snapshot, before, asked)
+    asked = _Asked(tools, table, limit, seed, fasteners, held, places, Memory(keys_of(scene.mockup), snapshot))
+    night = _Night(scene, wanted, options, snapshot, before, asked, pool is None or isinstance(pool, ThreadPoolExecutor))
 
     def heard(done: int, stage: str) -> None:
         say(done / max(1, len(night.jobs)), stage or f"planning: {done:,} of {len(night.jobs):,}")
@@ -170,6 +174,7 @@ class _Asked:
     fasteners: Fasteners
     held: Holds
     eyes: Floats | None
+    memory: Memory
 
 
 @dataclass(frozen=True)
@@ -180,21 +185,38 @@ class _Job:
     wanted: Wanted
     seeing: tuple[tuple[int, tuple[int, ...]], ...] | None
     """Fasteners, and the parts that are out before each."""
+    answers: tuple[Answer, ...] = ()
+    """For workers elsewhere: what this row asked in the last run."""
 
 
-def _answered(scene: Scene, asked: _Asked, job: _Job) -> tuple[Plan | None, list[Seeing]]:
+@dataclass(frozen=True)
+class _Row:
+    """What became of a job."""
+
+    plan: Plan | None
+    seen: list[Seeing]
+    used: tuple[str, ...]
+    """The names of the answers that it used."""
+    new: tuple[Answer, ...]
+    """Those of them that it computed."""
+
+
+def _answered(scene: Scene, asked: _Asked, job: _Job) -> _Row:
     """The task of one row, in a worker."""
     keys = keys_of(scene.mockup)
+    begin = time.monotonic()
+    asked.memory.take(job.answers)
+    recall = Recall(asked.memory, lambda: time.monotonic() - begin < asked.seconds)
     if job.seeing is not None:
-        return None, _seen(scene, asked, keys, job.seeing)
-    watched = WatchedScene.of(scene)
+        seen = _seen(WatchedScene.of(scene, recall), asked, keys, job.seeing)
+        return _Row(None, seen, tuple(recall.used), tuple(recall.new))
+    watched = WatchedScene.of(scene, recall)
     noted = watched.noted
 
     def heard(share: float, stage: str) -> None:
         watched.heard(share, stage)
         check_stop(share, stage)
 
-    begin = time.monotonic()
     try:
         found = task(
             watched,
@@ -211,11 +233,13 @@ def _answered(scene: Scene, asked: _Asked, job: _Job) -> tuple[Plan | None, list
             progress=heard,
         )
     except FeelerError as error:
-        return Plan.failed(str(error)), []
+        return _Row(Plan.failed(str(error)), [], tuple(recall.used), tuple(recall.new))
     noted.asked.update(keys[part] for part in job.wanted.parts)
     is_cut = time.monotonic() - begin >= asked.seconds
     out = _out_before(found, asked.fasteners)
-    return _plan(found, keys, noted.regions(), is_cut), _seen(scene, asked, keys, out)
+    plan = _plan(found, keys, noted.regions(), is_cut)
+    seen = _seen(WatchedScene.of(scene, recall), asked, keys, out)
+    return _Row(plan, seen, tuple(recall.used), tuple(recall.new))
 
 
 def _out_before(found: Task, fasteners: Fasteners) -> tuple[tuple[int, tuple[int, ...]], ...]:
@@ -267,12 +291,16 @@ def _seen(scene: Scene, asked: _Asked, keys: Sequence[str], out: Sequence[tuple[
         row = rows[part]
         places = _eyes(row) if asked.eyes is None else asked.eyes
         there = scene.without(list(gone)) if gone else scene
-        share = sight(there, Fasteners([row]), places)[0].share
+        share = float(there._recalled("sight", [part], [row.frame, places], partial(_share, there, row, places)))
         own = scene.mockup.part_bounds[2 * part : 2 * part + 2]
         lower, upper = np.minimum(places.min(axis=0), own[0]), np.maximum(places.max(axis=0), own[1])
         box = tuple(float(value) for value in (*lower, *upper))
         found.append(Seeing(keys[part], share, tuple(keys[each] for each in gone), box))
     return found
+
+
+def _share(scene: Scene, row: Fastener, places: Floats) -> float:
+    return sight(scene, Fasteners([row]), places)[0].share
 
 
 def _eyes(row: Fastener) -> Floats:
@@ -289,7 +317,7 @@ def _digest(tools: Any, times: Times, seconds: float, seed: int, eyes: Floats | 
     """What rows depend on beside the parts."""
 
     return {
-        "version": str(_VERSION),
+        "version": f"{_VERSION} of {version('feeler')}",
         "tools": digest_of(tools),
         "times": short(times.to_toml().encode()),
         "search": repr((seconds, seed)),
@@ -308,6 +336,7 @@ class _Night:
         snapshot: Snapshot,
         before: Maintenance | None,
         asked: _Asked,
+        is_here: bool,
     ) -> None:
         self._wanted, self._options, self._snapshot, self._before = wanted, dict(options), snapshot, before
         self._keys = keys_of(scene.mockup)
@@ -315,14 +344,39 @@ class _Night:
         self._ids = _numbered([self._id(each) for each in wanted])
         goes_on = before is not None and before.is_partial
         self._base = before.base if before is not None and goes_on else before
-        runs = [run for run in (before, self._base) if run is not None]
+        runs = list({id(run): run for run in (before, self._base) if run is not None}.values())
         is_bare = asked.tools is None
         self._changes = {id(run): Changes(run.snapshot, snapshot, is_bare) for run in runs}
         self._kept: dict[int, tuple[Plan, list[Seeing]]] = {}
         self.jobs: list[_Job] = []
         self._lower, self._upper = box_of(scene.mockup.part_bounds.reshape(-1, 2, 3))
+        self._memory = asked.memory
         for number, each in enumerate(wanted):
             self._decide(number, each, runs)
+        self.hints = [hint for run in runs for hint in run.hints]
+        self._used: dict[str, tuple[str, ...]] = {}
+        is_same = len(runs) == 1 and not self.jobs and runs[0].snapshot == snapshot
+        self._same = runs[0].answers if is_same else None
+        if not is_same:
+            self._recall(runs)
+        if not is_here:
+            known = {answer.name: answer for answer in self._memory}
+            for n, job in enumerate(self.jobs):
+                names = self._used.get(self._ids[job.number], ())
+                self.jobs[n] = replace(job, answers=tuple(known[name] for name in names if name in known))
+
+    def _recall(self, runs: Sequence[Maintenance]) -> None:
+        """Takes the answers of runs that can still hold."""
+        for run in reversed(runs):
+            if run.options.get("version") != self._options["version"] or run.answers is None:
+                continue
+            try:
+                answers, rows = run.answers.read()
+            except ValueError as error:
+                self.hints.append(f"The answers of the last run are not used: {error}. Rows are computed in full.")
+                continue
+            self._memory.take(carried(answers, run.snapshot, self._snapshot, self._changes[id(run)]))
+            self._used.update(rows)
 
     def _id(self, each: Wanted) -> str:
         return json.dumps(
@@ -352,21 +406,25 @@ class _Night:
         is_same = all(run.options.get(name) == self._options[name] for name in ("version", "tools", "times", "search"))
         return is_same and not plan.is_cut and not plan.error and not self._changes[id(run)].bearing_on(plan.regions)
 
-    def run(self, answers: Mapping[int, tuple[Plan | None, list[Seeing]]]) -> Maintenance:
+    def run(self, answers: Mapping[int, _Row]) -> Maintenance:
         """The run, with the answers to some jobs."""
         found = {self.jobs[number].number: answer for number, answer in answers.items()}
         missing = {job.number for job in self.jobs} - found.keys()
         plans: dict[str, tuple[Plan, list[Seeing]]] = {}
         kept: set[str] = set()
+        used = {name: self._used.get(name, ()) for name in self._ids}
         for number, name in enumerate(self._ids):
+            row = found.get(number)
             if number in missing:
                 continue
-            plan, seen = found.get(number, (None, []))
-            if plan is not None:
-                plans[name] = plan, seen
+            if row is not None:
+                self._memory.take(row.new)
+                used[name] = row.used if row.plan is not None else (*used[name], *row.used)
+            if row is not None and row.plan is not None:
+                plans[name] = row.plan, row.seen
             else:
                 own, old = self._kept[number]
-                again = {each.path: each for each in seen}
+                again = {each.path: each for each in (row.seen if row is not None else ())}
                 plans[name] = own, [again.get(each.path, each) for each in old]
                 kept.add(name)
         return Maintenance(
@@ -378,7 +436,15 @@ class _Night:
             snapshot=self._snapshot,
             base=self._base,
             is_partial=bool(missing),
+            answers=self._answers(used),
+            hints=self.hints,
         )
+
+    def _answers(self, used: Mapping[str, Sequence[str]]) -> StoredAnswers | None:
+        """Those that rows used, for the next run."""
+        if self._same is not None:
+            return self._same
+        return StoredAnswers.of(list(self._snapshot.parts), self._memory, used)
 
 
 def _numbered(names: Sequence[str]) -> list[str]:

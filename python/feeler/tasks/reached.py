@@ -178,7 +178,9 @@ class Reaching:
             return [answer.tool or "", answer.swing_deg, stroke, answer.because, answer.way.tolist(), *counts]
 
         told = scene._recalled("reach", [row.part], [digest, *_facts(row)], ask)
-        return _Told(*told[:4], np.array(told[4]).reshape(-1, 4, 4), *(Counter(dict(each)) for each in told[5:]))
+        name, swing, stroke, because, way, *counts = told
+        own, tried = (Counter({int(part): n for part, n in each}) for each in counts)
+        return _Told(name, swing, stroke, because, np.array(way).reshape(-1, 4, 4), own, tried)
 
     def _fitting(self, row: Fastener) -> str:
         """The digest of all of a catalogue that bears on a fastener."""

@@ -58,10 +58,10 @@ class Regions:
         ends = self.sweeps[:, :2] + self.sweeps[:, 2:]
         swept = np.stack([np.minimum(self.sweeps[:, 0], ends[:, 0]), np.maximum(self.sweeps[:, 1], ends[:, 1])], axis=1)
         looked = np.concatenate([self.boxes, self.solids, swept])
-        found = ~np.isfinite(bounds).all(axis=(1, 2))
+        found: Bools = np.logical_not(np.isfinite(bounds).all(axis=(1, 2)))
         lower, upper = bounds[:, 0] - GROWN_M, bounds[:, 1] + GROWN_M
         for low, high in looked:
-            found |= ((lower <= high) & (upper >= low)).all(axis=1)
+            found = found | ((lower <= high) & (upper >= low)).all(axis=1)
         return found
 
     def meets(self, lower: Floats, upper: Floats) -> bool:
@@ -212,7 +212,7 @@ class _Boxes:
 
     def extend(self, boxes: Iterable[Floats]) -> None:
         """Adds boxes, each `(2, 3)`."""
-        self._new += boxes
+        self._new.extend(boxes)
         if len(self._new) >= _MOST_LOOSE:
             self.joined()
 

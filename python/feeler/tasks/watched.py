@@ -35,19 +35,21 @@ class Recall:
     def __init__(self, memory: Memory, goes_on: Callable[[], bool]) -> None:
         """goes_on: whether there is time left: answers that time ended are not kept."""
         self.memory, self._goes_on = memory, goes_on
+        self.used: dict[str, None] = {}
+        """The names of the answers that it asked for, in their order."""
         self.new: list[Answer] = []
-        self.known = 0
-        """Answers that were taken from the memory."""
+        """Those that were computed."""
 
-    def used(self, answer: Answer) -> None:
+    def known(self, answer: Answer) -> None:
         """An answer was taken."""
-        self.known += 1
-        self.memory.used(answer)
+        self.used[answer.name] = None
 
     def found(self, key: str, told: Any, regions: Regions, present: Bools) -> None:
         """An answer was computed in a scene with these parts."""
         if self._goes_on():
-            self.new.append(self.memory.note(key, told, regions, present))
+            answer = self.memory.note(key, told, regions, present)
+            self.used[answer.name] = None
+            self.new.append(answer)
 
 
 class WatchedScene(Scene):
@@ -102,7 +104,7 @@ class WatchedScene(Scene):
             except (KeyError, TypeError):
                 continue
             if is_enough(told):
-                recall.used(answer)
+                recall.known(answer)
                 self._noted.add(answer.regions)
                 return told
         with self._noted.apart() as looked:
