@@ -142,7 +142,7 @@ class Noted:
             layer.boxes.extend(regions.boxes)
             layer.solids.extend(regions.solids)
             for lower, upper, way in regions.sweeps:
-                layer.sweep(lower, upper, way)
+                self.sweep(lower, upper, way)
 
     def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
         """Notes a box. is_solid: also what is around it."""
