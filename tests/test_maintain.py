@@ -215,7 +215,7 @@ def test_regions_meet_what_moving_boxes_meet() -> None:
         other = random.uniform(-1.0, 0.0, 3)
         upper = other + random.uniform(0.0, 0.7, 3)
         noted = Noted(np.full(3, -9.0), np.full(3, 9.0))
-        noted.sweep(low, high, way)
+        noted.sweep(np.stack([low, high])[None], way)
         looked = Regions.from_dict(json.loads(json.dumps(noted.regions().to_dict())))
         share = np.linspace(0.0, 1.0, 400)[:, None]
         is_met = ((low + share * way <= upper) & (high + share * way >= other)).all(axis=1).any()

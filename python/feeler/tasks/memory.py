@@ -107,6 +107,10 @@ class Memory:
         said = repr((kind, moved, self.plain(facts)))
         return short(said.encode("utf-8", "surrogatepass"))
 
+    def paths_of(self, parts: Iterable[int]) -> list[str]:
+        """The paths of parts, as they are known here."""
+        return [self._keys[part] for part in parts]
+
     def plain(self, data: Any) -> Any:
         """Data as JSON, parts by path."""
         if isinstance(data, PartNumber):
@@ -132,7 +136,7 @@ class Memory:
 
     def note(self, key: str, data: Any, regions: Regions, present: Bools) -> Answer:
         """Keeps the answer that was found in a scene with these parts."""
-        there = [self._parts[n] for n in self._within(regions)]
+        there = list({*(self._parts[n] for n in self._within(regions)), *regions.asked})
         is_in = [bool(present[self._index[each]]) for each in there]
         met = frozenset(each for each, flag in zip(there, is_in, strict=True) if flag)
         answer = Answer(key, self.plain(data), regions, met, frozenset(there) - met)

@@ -234,7 +234,8 @@ def _answered(scene: Scene, asked: _Asked, job: _Job) -> _Row:
         )
     except FeelerError as error:
         return _Row(Plan.failed(str(error)), [], tuple(recall.used), tuple(recall.new))
-    noted.asked.update(keys[part] for part in job.wanted.parts)
+    noted.is_on = True
+    noted.ask(keys[part] for part in job.wanted.parts)
     is_cut = time.monotonic() - begin >= asked.seconds
     out = _out_before(found, asked.fasteners)
     plan = _plan(found, keys, noted.regions(), is_cut)

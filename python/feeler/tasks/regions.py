@@ -22,6 +22,8 @@ _LOOSE = 1.2
 """A box takes in others, the largest first, until it is this much larger."""
 _MOST_LOOSE = 400
 """Boxes that are joined at a time."""
+_MOST_TOOLS = 16
+"""Tools of which boxes are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,13 +109,22 @@ class Noted:
         """lower, upper: the box of the mock-up. Regions end there."""
         self.lower, self.upper = lower, upper
         self.is_on = True
-        self.asked: set[str] = set()
         self._layers = [_Layer()]
+        self._leaves: dict[int, tuple[Any, Floats]] = {}
 
     @property
     def is_all(self) -> bool:
         """Whether the whole mock-up was noted."""
         return self._layers[-1].is_all
+
+    def boxes_of(self, tool: Any) -> Floats:
+        """Boxes `(n, 2, 3)` around the triangles of a tool, in its frame."""
+        known = self._leaves.get(id(tool))
+        if known is None or known[0] is not tool:
+            while len(self._leaves) >= _MOST_TOOLS:
+                del self._leaves[next(iter(self._leaves))]
+            known = self._leaves[id(tool)] = tool, leaves(np.asarray(tool.vertices)[np.asarray(tool.faces)])
+        return known[1]
 
     @contextmanager
     def apart(self) -> Iterator[Callable[[], Regions]]:
@@ -138,11 +149,17 @@ class Noted:
         if regions.is_all:
             return self.all()
         layer = self._layers[-1]
+        self.ask(regions.asked)
         if self.is_on and not layer.is_all:
             layer.boxes.extend(regions.boxes)
             layer.solids.extend(regions.solids)
-            for lower, upper, way in regions.sweeps:
-                self.sweep(lower, upper, way)
+            for each in regions.sweeps:
+                self.sweep(each[None, :2], each[2])
+
+    def ask(self, parts: Iterable[str]) -> None:
+        """Notes parts, wherever they are."""
+        if self.is_on:
+            self._layers[-1].asked.update(parts)
 
     def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
         """Notes a box. is_solid: also what is around it."""
@@ -155,18 +172,51 @@ class Noted:
             if is_solid:
                 layer.solids.extend([np.stack([low, high])])
 
-    def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
-        """Notes a box that moves straight."""
+    def sweep(self, boxes: Floats, way: Floats) -> None:
+        """Notes boxes `(n, 2, 3)` that move straight."""
         layer = self._layers[-1]
         if not self.is_on or layer.is_all:
             return
         if float(np.linalg.norm(way)) < SHORT_M:
-            return self.box(lower, upper)
-        layer.sweep(lower, upper, way)
+            for lower, upper in boxes:
+                self.box(lower, upper)
+        else:
+            layer.sweep(boxes, way)
 
     def regions(self) -> Regions:
         """All that was noted."""
-        return replace(self._layers[-1].regions(), asked=frozenset(self.asked))
+        return self._layers[-1].regions()
+
+
+class NotedParts(Noted):
+    """Of a scene of few parts: all its queries look at these, and at no others."""
+
+    def __init__(self, noted: Noted, parts: Iterable[str]) -> None:
+        super().__init__(noted.lower, noted.upper)
+        self._noted, self._parts = noted, frozenset(parts)
+
+    def all(self) -> None:
+        """Notes the parts."""
+        self._noted.ask(self._parts)
+
+    def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
+        """Notes the parts."""
+        self.all()
+
+    def sweep(self, boxes: Floats, way: Floats) -> None:
+        """Notes the parts."""
+        self.all()
+
+    def add(self, regions: Regions) -> None:
+        """Notes the parts."""
+        self._noted.ask(regions.asked)
+        self.all()
+
+    @contextmanager
+    def apart(self) -> Iterator[Callable[[], Regions]]:
+        """As `Noted`."""
+        with self._noted.apart() as looked:
+            yield looked
 
 
 class _Layer:
@@ -174,17 +224,18 @@ class _Layer:
 
     def __init__(self) -> None:
         self.is_all = False
+        self.asked: set[str] = set()
         self.boxes, self.solids = _Boxes(), _Boxes()
         self._sweeps: dict[bytes, list[float]] = {}
         self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
 
-    def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
-        """A box that moves straight; those of one box along one line become one."""
+    def sweep(self, boxes: Floats, way: Floats) -> None:
+        """Boxes that move straight; those of the same boxes along one line become one."""
         length = float(np.linalg.norm(way))
-        along, half, middle = way / length, 0.5 * (upper - lower), 0.5 * (upper + lower)
-        start = float(middle @ along)
-        across = middle - start * along
-        key = np.round(np.concatenate([half, along, across]), 8).tobytes()
+        along, half, middles = way / length, 0.5 * (boxes[:, 1] - boxes[:, 0]), 0.5 * (boxes[:, 1] + boxes[:, 0])
+        start = float(middles[0] @ along)
+        across = middles - start * along
+        key = np.round(np.concatenate([half.ravel(), along, across.ravel()]), 8).tobytes()
         self._shapes.setdefault(key, (half, along, across))
         known = self._sweeps.setdefault(key, [start, start])
         known[0], known[1] = min(known[0], start), max(known[1], start + length)
@@ -192,14 +243,15 @@ class _Layer:
     def regions(self) -> Regions:
         """All of it."""
         if self.is_all:
-            return Regions.everything()
-        sweeps = [
-            np.stack([across + begin * along - half, across + begin * along + half, (end - begin) * along])
-            for key, (begin, end) in self._sweeps.items()
-            for half, along, across in [self._shapes[key]]
-        ]
+            return replace(Regions.everything(), asked=frozenset(self.asked))
+        sweeps = [np.empty((0, 3, 3))]
+        for key, (begin, end) in self._sweeps.items():
+            half, along, across = self._shapes[key]
+            middles = across + begin * along
+            ways = np.broadcast_to((end - begin) * along, half.shape)
+            sweeps.append(np.stack([middles - half, middles + half, ways], axis=1))
         boxes, solids = self.boxes.joined().copy(), self.solids.joined().copy()
-        return Regions(False, boxes, np.array(sweeps).reshape(-1, 3, 3), solids, frozenset())
+        return Regions(False, boxes, np.concatenate(sweeps), solids, frozenset(self.asked))
 
 
 class _Boxes:

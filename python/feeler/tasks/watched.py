@@ -11,11 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.parts import PartsLike
 from feeler.plan.removal import Removal
 from feeler.poses import one_pose
 from feeler.scene import CAST_TOLERANCE, Scene
 from feeler.tasks.memory import Answer, Memory
-from feeler.tasks.regions import Noted, Regions, box_of
+from feeler.tasks.regions import Noted, NotedParts, Regions, box_of
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -24,6 +25,8 @@ TOUCH_M = 1e-4
 NEAR_SHARE = 0.03
 """A removal looks at what is this near to the moving parts: metres, and a share of their size. It is more than it casts
 around fits and than it ignores as touching."""
+FEW_PARTS = 8
+"""Scenes with no more parts look at these."""
 STRAIGHT = 1.0 - 1e-9
 _QUIET = "looking at what leaves together"
 """While `task` is at this stage it asks of all fasteners; `maintain` compares these answers by themselves."""
@@ -84,6 +87,15 @@ class WatchedScene(Scene):
         made._noted, made._recall = self._noted, self._recall
         return made
 
+    def only(self, parts: PartsLike) -> Scene:
+        """As `Scene`."""
+        made = super().only(parts)
+        assert isinstance(made, WatchedScene)
+        there = np.flatnonzero(made.part_mask)
+        if self._recall is not None and len(there) <= FEW_PARTS:
+            made._noted = NotedParts(self._noted, self._recall.memory.paths_of(there.tolist()))
+        return made
+
     def _recalled(
         self,
         kind: str,
@@ -123,7 +135,10 @@ class WatchedScene(Scene):
         """The motion between two poses, as `cast` defines it."""
         lower, upper = _placed(tool, start)
         if np.array_equal(start[:3, :3], end[:3, :3]):
-            self._noted.sweep(lower - grown, upper + grown, end[:3, 3] - start[:3, 3])
+            boxes = np.stack([lower, upper])[None]
+            if np.array_equal(start[:3, :3], np.eye(3)):
+                boxes = self._noted.boxes_of(tool) + start[:3, 3]
+            self._noted.sweep(boxes + grown * np.array([[-1.0], [1.0]]), end[:3, 3] - start[:3, 3])
             return
         other = _placed(tool, end)
         # Its middle goes straight, and corners turn about it: by half an angle they are farthest from both boxes.
