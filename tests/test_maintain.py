@@ -249,12 +249,16 @@ def test_rows_do_not_depend_on_the_workers(before: feeler.Maintenance, processes
     distributed = pytest.importorskip("distributed")
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs="CRITICAL"
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        run = feeler.maintain(scene, covers(), tools=driver(), executor=client.get_executor())
+        two = client.get_executor()
+        run = feeler.maintain(scene, covers(), tools=driver(), executor=two)
         assert facts(run) == facts(before)
+        meshes = changed("lid moved")
+        again = feeler.maintain(scene_of(meshes), covers(), tools=driver(), previous=run, executor=two)
+        assert facts(again) == facts(maintained(meshes, before)) and [row.is_kept for row in again].count(True) == 3
 
 
 def test_an_interrupted_run_goes_on(before: feeler.Maintenance, tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from section import Result
 
 import feeler
-from section import Result
 
 SHIFT_M = 2e-3
 """The most by which a part moves along each axis."""

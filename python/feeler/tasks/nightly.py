@@ -27,7 +27,6 @@ from feeler.arguments import (
     shown,
 )
 from feeler.errors import FeelerError, LoadError, OptionError
-from feeler.mockup import Tool
 from feeler.plan.catalogue import catalogue
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.removal import LARGEST_SEED
@@ -47,6 +46,7 @@ from feeler.tasks.reached import Reaching
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of
+from feeler.tasks.steps import clock
 from feeler.tasks.stored_answers import StoredAnswers
 from feeler.tasks.times import Times
 from feeler.tasks.watched import Recall, WatchedScene
@@ -58,6 +58,8 @@ BUILT_IN_TOOLS = "built-in"
 EYES = 32
 EYE_M = 0.35
 """Without `eyes`: as many places of the eyes around each head, and how far from it they are, metres."""
+LEAST_LEFT_S = 5.0
+"""Shorter times that are left are not said."""
 _UNREACHED = "no tool reaches it"
 _VERSION = 1
 """Of what rows mean: a row of another version is not kept."""
@@ -122,10 +124,14 @@ def maintain(
     snapshot = Snapshot.of(scene, fasteners, held)
     options = _digest(tools, table, limit, seed, places)
     asked = _Asked(tools, table, limit, seed, fasteners, held, places, Memory(keys_of(scene.mockup), snapshot))
-    night = _Night(scene, wanted, options, snapshot, before, asked, pool is None or isinstance(pool, ThreadPoolExecutor))
+    night = _Night(
+        scene, wanted, options, snapshot, before, asked, pool is None or isinstance(pool, ThreadPoolExecutor)
+    )
+
+    begin = time.monotonic()
 
     def heard(done: int, stage: str) -> None:
-        say(done / max(1, len(night.jobs)), stage or f"planning: {done:,} of {len(night.jobs):,}")
+        say(done / max(1, len(night.jobs)), stage or _so_far(done, len(night.jobs), time.monotonic() - begin))
 
     own = None if pool is not None else ThreadPoolExecutor(count, thread_name_prefix="feeler-maintain")
     try:
@@ -136,6 +142,13 @@ def maintain(
         if own is not None:
             own.shutdown(wait=True, cancel_futures=True)
     return night.run(answers)
+
+
+def _so_far(done: int, count: int, seconds: float) -> str:
+    """The rows that are done, and about how long the others take."""
+    said = f"{done:,} of {count:,} rows"
+    left = seconds * (count - done) / done if done else 0.0
+    return f"{said}, about {clock(left)} left" if left >= LEAST_LEFT_S else said
 
 
 def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:

@@ -27,15 +27,15 @@ class StoredAnswers:
         Raises `ValueError` for data of another version.
         """
         if not data.startswith(_HEAD):
-            raise ValueError("they are of another version of feeler" if data[:7] == _HEAD[:7] else "they are no answers")
+            raise ValueError(
+                "they are of another version of feeler" if data[:7] == _HEAD[:7] else "they are no answers"
+            )
         self._paths = list(paths)
         self._data: bytes | None = data
         self._known: tuple[list[Answer], dict[str, tuple[str, ...]]] | None = None
 
     @classmethod
-    def of(
-        cls, paths: Sequence[str], answers: Iterable[Answer], rows: Mapping[str, Sequence[str]]
-    ) -> StoredAnswers:
+    def of(cls, paths: Sequence[str], answers: Iterable[Answer], rows: Mapping[str, Sequence[str]]) -> StoredAnswers:
         """Those of rows, each with the names of the answers that it used."""
         wanted = {name for names in rows.values() for name in names}
         made = cls(paths, _HEAD)
