@@ -1,4 +1,4 @@
-"""Answers that nightly runs remember: recalled where nothing they looked at is another, in files that may be damaged."""
+"""Answers that nightly runs remember: recalled where all is as it was, and in files that may be damaged."""
 
 from __future__ import annotations
 
@@ -139,10 +139,8 @@ def test_an_answer_holds_among_the_same_parts_where_it_looked() -> None:
     # In a later run.
     meshes = parts(2)
     for path, is_known in (("s1/lid", True), ("s0/bolt", False), ("s0/lid", False)):
-        moved = {
-            **meshes,
-            path: (meshes[path][0] + ([0.0, 0.0, 1e-4] if "bolt" in path else [-0.5, 0, 0.05]), meshes[path][1]),
-        }
+        by = [0.0, 0.0, 1e-4] if "bolt" in path else [-0.5, 0.0, 0.05]
+        moved = {**meshes, path: (meshes[path][0] + by, meshes[path][1])}
         later = scene_of(moved)
         fasteners = feeler.find_fasteners(later)
         new = Snapshot.of(later, fasteners, feeler.holds(later, fasteners))

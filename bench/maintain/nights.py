@@ -15,6 +15,8 @@ import feeler
 
 SHIFT_M = 2e-3
 """The most by which a part moves along each axis."""
+SHARE = 0.01
+"""Of the parts that move."""
 SAME = ("name", "paths", "state", "seconds", "low", "high", "steps", "undone", "tools", "reach_deg", "sight", "hidden")
 SAME += ("is_unreachable", "blockers", "said")
 """What two rows have to say alike."""
@@ -105,8 +107,9 @@ def _poses(mockup: feeler.Mockup, rng: np.random.Generator) -> dict[int, np.ndar
     poses: dict[int, np.ndarray[Any, Any]] = {}
     for part in rng.permutation(mockup.part_count).tolist():
         by = rng.uniform(-SHIFT_M, SHIFT_M, 3)
-        if len(poses) < round(0.01 * mockup.part_count) and (boxes[part, 0] + by >= lower).all():
-            if (boxes[part, 1] + by <= upper).all():
-                poses[part] = np.eye(4)
-                poses[part][:3, 3] = by
+        if len(poses) >= round(SHARE * mockup.part_count):
+            break
+        if (boxes[part, 0] + by >= lower).all() and (boxes[part, 1] + by <= upper).all():
+            poses[part] = np.eye(4)
+            poses[part][:3, 3] = by
     return poses

@@ -277,8 +277,9 @@ class _Mover:
         return [rows, _numbers(seats), _numbers(flush), _numbers(doubtful)]
 
     def _directions(self) -> tuple[list[Direction], set[int]]:
-        """Directions, and flush parts that may not hold it. The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
-        two contacts, both ways, those opposed by the fewest touching parts first."""
+        """The given directions; then the axes of the world and of fasteners, contact normals, and the directions along
+        two contacts, both ways, those opposed by the fewest touching parts first. And flush parts that may not hold
+        it."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):

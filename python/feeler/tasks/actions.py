@@ -250,7 +250,7 @@ class Actions:
         return is_all or not all(self._nodes([part]) for part in [*deep, *hits])
 
     def _met_on(self, fixing: Fixing, own: Sequence[int], ignored: Sequence[int]) -> list[Any]:
-        """What a fastener enters deeper on its axis; what it hits, up to the first that is kept; whether that is all."""
+        """What a fastener enters deeper on its axis; what it hits, up to the first that is kept; if that is all."""
         scene = self.question.scene
         tool, rest = Tool.of_parts(scene.mockup, list(own)), scene.without(list(own))
         passed = set(ignored)

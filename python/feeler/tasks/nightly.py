@@ -124,9 +124,8 @@ def maintain(
     snapshot = Snapshot.of(scene, fasteners, held)
     options = _digest(tools, table, limit, seed, places)
     asked = _Asked(tools, table, limit, seed, fasteners, held, places, Memory(keys_of(scene.mockup), snapshot))
-    night = _Night(
-        scene, wanted, options, snapshot, before, asked, pool is None or isinstance(pool, ThreadPoolExecutor)
-    )
+    is_here = pool is None or isinstance(pool, ThreadPoolExecutor)
+    night = _Night(scene, wanted, options, snapshot, before, asked, is_here)
 
     begin = time.monotonic()
 
