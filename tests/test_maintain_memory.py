@@ -200,3 +200,14 @@ def test_boxes_that_a_part_sweeps_are_those_around_its_triangles() -> None:
     assert looked.meets(np.array([0.01, -0.001, 0.3]), np.array([0.011, 0.001, 0.31]))
     assert not looked.meets(np.array([-0.001, -0.001, 0.3]), np.array([0.001, 0.001, 0.31]))
     assert isinstance(watched.noted, Noted)
+
+
+def test_sentences_name_parts_and_tables() -> None:
+    base = feeler.maintain(scene_of(parts(1)), ["s0/cover"], tools=driver())
+    meshes = parts(1)
+    meshes["s0/lid"] = lid(0.0)
+    both = feeler.maintain(scene_of(meshes), ["s0/cover"], tools=driver(), times={"take": 60.0}, previous=base)
+    assert both[0].change == "+1 min 58 s since lid moved and other times were given"
+    base.options["version"] = "1 of 0.0"
+    other = feeler.maintain(scene_of(meshes), ["s0/cover"], tools=driver(), seed=3, previous=base)
+    assert other[0].change == "+10 s since lid moved, another version of feeler runs and the search has other limits"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -89,7 +90,10 @@ def _run(scene: feeler.Scene, parts: list[str], previous: Path | None) -> feeler
 def _timed(work: Callable[[], feeler.Maintenance]) -> tuple[feeler.Maintenance, float]:
     """A run, and the seconds of the processor: others may use it, too."""
     begin = time.process_time()
-    return work(), time.process_time() - begin
+    run = work()
+    seconds = time.process_time() - begin
+    print(f"{run.said}: {seconds:.3g} s", file=sys.stderr)
+    return run, seconds
 
 
 def _differing(run: feeler.Maintenance, other: feeler.Maintenance) -> list[str]:

@@ -30,6 +30,8 @@ SAME_SIGHT = 0.02
 """And below this share."""
 FORMAT = "feeler maintain 1"
 _NAMED = 3
+_RUNS = {"version", "search"}
+"""Options that no table gives."""
 
 
 Plans = Mapping[str, tuple[Plan, list[Seeing]]]
@@ -224,11 +226,10 @@ class Maintenance(Sequence[MaintainRow]):
         text = ", ".join(said)
         if causes:
             named = [f"{each.path.split('/')[-1]} {str(each)[len(each.path) + 1 :]}" for each in causes[:_NAMED]]
-            more = f" and {len(causes) - _NAMED} more" if len(causes) > _NAMED else ""
-            text += f" since {', '.join(named)}{more}"
-        elif self.options != self.base.options:
-            names = [name for name, value in self.options.items() if self.base.options.get(name) != value]
-            text += f" since other {' and '.join(names)} were given"
+            more = [f"{len(causes) - _NAMED} more"] if len(causes) > _NAMED else []
+            text += f" since {_listed([*named, *more, *_given(self.base.options, self.options)])}"
+        elif given := _given(self.base.options, self.options):
+            text += f" since {_listed(given)}"
         return delta, is_slower, text, causes
 
 
@@ -281,6 +282,19 @@ def _answers_beside(file: Path, digest: str, paths: Sequence[str]) -> tuple[Stor
     except ValueError as error:
         said = str(error)
     return None, (f"The answers in {beside} are not used: {said}. Rows that changed are computed in full.",)
+
+
+def _given(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
+    """Which options are others, in words."""
+    names = [name for name, value in new.items() if old.get(name) != value]
+    said = [f"other {_listed([name for name in names if name not in _RUNS])} were given"] if set(names) - _RUNS else []
+    said += ["another version of feeler runs"] if "version" in names else []
+    said += ["the search has other limits"] if "search" in names else []
+    return said
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), *words[-1:]])
 
 
 def _differences(old: Plan, now: Plan, delta: float, before: float, sight: float) -> list[str]:
