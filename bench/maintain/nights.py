@@ -18,8 +18,10 @@ SHIFT_M = 2e-3
 """The most by which a part moves along each axis."""
 SHARE = 0.01
 """Of the parts that move."""
-SAME = ("name", "paths", "state", "seconds", "low", "high", "steps", "undone", "tools", "reach_deg", "sight", "hidden")
-SAME += ("is_unreachable", "blockers", "said")
+SAME = (
+    *("name", "paths", "state", "seconds", "low", "high", "steps", "undone", "tools", "reach_deg", "sight", "hidden"),
+    *("is_unreachable", "blockers", "said"),
+)
 """What two rows have to say alike."""
 GEARBOX = (
     *("fuel_pump/body", "starter/body", "generator/body", "oil_filter/head", "covers/main_front/cover"),

@@ -58,7 +58,7 @@ BUILT_IN_TOOLS = "built-in"
 EYES = 32
 EYE_M = 0.35
 """Without `eyes`: as many places of the eyes around each head, and how far from it they are, metres."""
-LEAST_LEFT_S = 5.0
+LEAST_LEFT_S = 10.0
 """Shorter times that are left are not said."""
 _UNREACHED = "no tool reaches it"
 _VERSION = 1

@@ -21,6 +21,7 @@ from feeler.tasks.run_files import write_html, write_xlsx
 from feeler.tasks.snapshots import Changes, MaintainChange, Snapshot
 from feeler.tasks.steps import clock
 from feeler.tasks.stored_answers import ENDING, StoredAnswers
+from feeler.words import plural
 
 FAILS = ("slower", "blocked", "unreachable", "hidden", "failed")
 """What a run may be searched for."""
@@ -99,7 +100,8 @@ class Maintenance(Sequence[MaintainRow]):
         text = f"{out:,} of {len(self):,} come out"
         if self.base is not None:
             text += f", {sum(bool(row.change) for row in self):,} changed, {kept:,} kept"
-        return text + (", interrupted" if self.is_partial else "")
+        missing = len(self.names) - len(self)
+        return text + (f", interrupted: {plural(missing, 'row')} missing" if self.is_partial else "")
 
     @property
     def by_change(self) -> list[MaintainRow]:
