@@ -250,7 +250,7 @@ def _answered(scene: Scene, asked: _Asked, job: _Job) -> _Row:
     noted.ask(keys[part] for part in job.wanted.parts)
     is_cut = time.monotonic() - begin >= asked.seconds
     out = _out_before(found, asked.fasteners)
-    plan = _plan(found, keys, noted.regions(), is_cut)
+    plan = _plan(found, keys, noted.regions().coarse(), is_cut)
     seen = _seen(WatchedScene.of(scene, recall), asked, keys, out)
     return _Row(plan, seen, tuple(recall.used), tuple(recall.new))
 

@@ -22,6 +22,8 @@ _LOOSE = 1.2
 """A box takes in others, the largest first, until it is this much larger."""
 _MOST_LOOSE = 400
 """Boxes that are joined at a time."""
+_MOST_SWEEPS = 400
+"""Sweeps that `coarse` leaves as they are."""
 _MOST_TOOLS = 16
 """Tools of which boxes are kept."""
 
@@ -82,6 +84,19 @@ class Regions:
         first = np.where(stays, np.where(is_in, -np.inf, np.inf), ends.min(axis=0))
         last = np.where(stays, np.where(is_in, np.inf, -np.inf), ends.max(axis=0))
         return bool((np.maximum(first.max(axis=1), 0.0) <= np.minimum(last.min(axis=1), 1.0)).any())
+
+    def coarse(self) -> Regions:
+        """At most about so many sweeps: beyond, boxes that move alike are one."""
+        if len(self.sweeps) <= _MOST_SWEEPS:
+            return self
+        ways, group = np.unique(np.round(self.sweeps[:, 2], _DECIMALS), axis=0, return_inverse=True)
+        low, high = np.full((len(ways), 3), np.inf), np.full((len(ways), 3), -np.inf)
+        exact = np.empty((len(ways), 3))
+        group = group.reshape(-1)
+        np.minimum.at(low, group, self.sweeps[:, 0])
+        np.maximum.at(high, group, self.sweeps[:, 1])
+        exact[group] = self.sweeps[:, 2]
+        return replace(self, sweeps=np.stack([low, high, exact], axis=1).reshape(-1, 3, 3))
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""
