@@ -125,20 +125,21 @@ class Noted:
         self.lower, self.upper = lower, upper
         self.is_on = True
         self._layers = [_Layer()]
-        self._leaves: dict[int, tuple[Any, Floats]] = {}
+        self._leaves: dict[tuple[int, int], tuple[Any, Floats]] = {}
 
     @property
     def is_all(self) -> bool:
         """Whether the whole mock-up was noted."""
         return self._layers[-1].is_all
 
-    def boxes_of(self, tool: Any) -> Floats:
-        """Boxes `(n, 2, 3)` around the triangles of a tool, in its frame."""
-        known = self._leaves.get(id(tool))
+    def boxes_of(self, tool: Any, most: int = 16) -> Floats:
+        """Boxes `(n, 2, 3)` around the triangles of a tool, at most so many, in its frame."""
+        key = (id(tool), most)
+        known = self._leaves.get(key)
         if known is None or known[0] is not tool:
             while len(self._leaves) >= _MOST_TOOLS:
                 del self._leaves[next(iter(self._leaves))]
-            known = self._leaves[id(tool)] = tool, leaves(np.asarray(tool.vertices)[np.asarray(tool.faces)])
+            known = self._leaves[key] = tool, leaves(np.asarray(tool.vertices)[np.asarray(tool.faces)], most)
         return known[1]
 
     @contextmanager

@@ -135,9 +135,12 @@ class WatchedScene(Scene):
         """The motion between two poses, as `cast` defines it."""
         lower, upper = _placed(tool, start)
         if np.array_equal(start[:3, :3], end[:3, :3]):
-            boxes = np.stack([lower, upper])[None]
+            boxes = self._noted.boxes_of(tool)
             if np.array_equal(start[:3, :3], np.eye(3)):
-                boxes = self._noted.boxes_of(tool) + start[:3, 3]
+                boxes = boxes + start[:3, 3]
+            else:
+                corners = _corners_of(boxes) @ start[:3, :3].T + start[:3, 3]
+                boxes = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
             self._noted.sweep(boxes + grown * np.array([[-1.0], [1.0]]), end[:3, 3] - start[:3, 3])
             return
         other = _placed(tool, end)
@@ -149,13 +152,14 @@ class WatchedScene(Scene):
     def _note_screw(self, tool: _core.Tool, start: Floats, screw: _core.Screw) -> None:
         """All turns about the axis."""
         axis, point = np.array(screw.axis), np.array(screw.point)
-        corners = _corners(tool, start) - point
-        heights = corners @ axis
-        radius = float(np.linalg.norm(corners - heights[:, None] * axis, axis=1).max(initial=0.0))
-        ends = np.array([heights.min(), heights.max(), *(heights + screw.advance)])
-        middle = point + 0.5 * (ends.min() + ends.max()) * axis
-        half = 0.5 * (ends.max() - ends.min()) * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis * axis))
-        self._noted.box(middle - half, middle + half)
+        # What is near to the axis, such as a socket, sweeps little; what is far, such as a handle, at its height alone.
+        for corners in _corners_of(self._noted.boxes_of(tool, 4)) @ start[:3, :3].T + start[:3, 3] - point:
+            heights = corners @ axis
+            radius = float(np.linalg.norm(corners - heights[:, None] * axis, axis=1).max(initial=0.0))
+            ends = np.array([heights.min(), heights.max(), *(heights + screw.advance)])
+            middle = point + 0.5 * (ends.min() + ends.max()) * axis
+            half = 0.5 * (ends.max() - ends.min()) * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis * axis))
+            self._noted.box(middle - half, middle + half)
 
     def _saw_removal(self, tool: _core.Tool, directions: Floats, found: Removal) -> None:
         """See `Scene._saw_removal`: a straight way along a given direction looked at its sweep alone; other answers, at
@@ -310,6 +314,11 @@ class WatchedScene(Scene):
         """As `Scene`."""
         self._noted.all()
         return super().distance_batch(*args, **options)
+
+
+def _corners_of(boxes: Floats) -> Floats:
+    """The corners of boxes `(n, 2, 3)`: `(n, 8, 3)`."""
+    return np.stack([boxes[:, [i, j, k], [0, 1, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)], axis=1)
 
 
 def _corners(tool: _core.Tool, pose: Floats) -> Floats:
