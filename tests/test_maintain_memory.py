@@ -27,12 +27,12 @@ def planned(scene: feeler.Scene, previous: Any = None, **options: Any) -> feeler
     return feeler.maintain(scene, ROWS, **{"tools": driver(), "threads": 1, **options}, previous=previous)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+@pytest.mark.parametrize("seed", [0, 1, 3])
 def test_rows_are_those_of_a_full_run_after_random_edits(seed: int, tmp_path: Path) -> None:
     """Parts move a little or far, go, come, and block or open ways; each run is the previous one of the next."""
     rng = np.random.default_rng(seed)
     meshes = assembly(rng)
-    tools: dict[str, Any] = {"tools": [None, driver(), "built-in", driver()][seed]}
+    tools: dict[str, Any] = {"tools": driver() if seed else None}
     run = planned(scene_of(meshes), **tools)
     for n, (_, edited) in zip(range(2), edits(rng, meshes), strict=False):
         run.save(tmp_path / "last.json")
