@@ -19,7 +19,15 @@ def found(name: str = "engine") -> dict[str, object]:
     origin = {"when": "2026-01-01", "commit": "abc", "dirty": False, "args": [], "is_quick": False}
     busy = {"machine": {"cpu": "any"}, "load_average": None, "load_average_after": None}
     moved = {"parts": 1, "seconds": 4.0, "full_seconds": 50.0, "kept": 2, "changed": 1, "differs": []}
-    rows = {"triangles": 1_600_000, "parts": 100, "rows": 100, "out": 2, "with_errors": 0, "seconds": 50.0, "bytes": [1, 2]}
+    rows = {
+        "triangles": 1_600_000,
+        "parts": 100,
+        "rows": 100,
+        "out": 2,
+        "with_errors": 0,
+        "seconds": 50.0,
+        "bytes": [1, 2],
+    }
     return {**origin, **busy, **rows, "same_seconds": 1.0, "same_kept": 3, "same_differs": [], "moved": [moved]}
 
 

@@ -317,8 +317,10 @@ class _Mover:
     def blockers(self, direction: Direction, most: int) -> frozenset[int] | None:
         """All other parts that block a direction; `None` if a kept part does, if there are more than `most`, or if the
         time is up."""
+        sets = (self.opposed(direction), self.seats, self.flush, self.doubtful)
+        facts = [list(direction), *map(_numbers, sets)]
         told = self._recalled(
-            "along", [list(direction)], lambda: self._met(direction, most), lambda told: self._found(told, most)[1]
+            "along", facts, lambda: self._met(direction, most), lambda told: self._found(told, most)[1]
         )
         return self._found(told, most)[0]
 

@@ -11,11 +11,19 @@ from typing import Any
 import numpy as np
 
 from feeler.mockup import Tool
+from feeler.plan.fasteners import Fastener
 
 
 def digest_of(value: Any) -> str:
     """The same text for the same shapes and options."""
     return short(_content(value))
+
+
+def facts_of(row: Fastener | None) -> list[Any]:
+    """What questions know of a fastener."""
+    if row is None:
+        return []
+    return [row.kind, row.drive, row.size, row.across_flats, row.length, row.head_height, row.frame.tolist()]
 
 
 def short(data: bytes) -> str:

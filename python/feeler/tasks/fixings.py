@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +12,7 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
+from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
 from feeler.tasks.times import Arithmetic, Turns
@@ -150,7 +150,7 @@ class Fixings:
         hold, row = self._held[part], self._rows.get(part)
         if row is None:
             return Fixing(hold, None, Turns(0.0, ""), 0.0)
-        facts = [[*_facts(self._rows.get(each)), each == hold.anchor] for each in (part, *hold.mates)]
+        facts = [[*facts_of(self._rows.get(each)), each == hold.anchor] for each in (part, *hold.mates)]
         anchor = None if hold.anchor is None else PartNumber(hold.anchor)
         size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
         turns = self.times.turns(row.path, self._nominal(row, size), engaged)
@@ -213,12 +213,6 @@ class Fixings:
             nearest = min(fasteners, key=lambda part: (_distance(self._rows.get(part), middle), part))
             found.setdefault(nearest, []).append(washer)
         return found
-
-
-def _facts(row: Fastener | None) -> list[Any]:
-    if row is None:
-        return []
-    return [row.kind, row.drive, row.size, row.across_flats, row.length, row.head_height, row.frame.tolist()]
 
 
 def _distance(row: Fastener | None, point: Floats) -> float:

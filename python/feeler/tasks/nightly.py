@@ -36,7 +36,7 @@ from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
 from feeler.stopping import check_stop
 from feeler.tasks.answer import Task
-from feeler.tasks.digests import digest_of, short
+from feeler.tasks.digests import digest_of, facts_of, short
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.listed import Wanted, wanted_of
 from feeler.tasks.memory import Answer, Memory, carried
@@ -97,6 +97,9 @@ def maintain(
     holds or held. A row depends on the whole mock-up if it searched a bent way; all rows do if a part now stands out of
     the box of all parts, or if the order of the parts is another. Rows that `seconds` ended are never kept. What is
     seen of a fastener is kept if no changed part meets the box around the eyes and it.
+
+    Rows that are computed anew ask again only what looked at a change: answers of the last run are used where the same
+    parts, unmoved, are where they looked. `save` writes them beside the run; `hints` says why they were not used.
 
     Ctrl-C raises `MaintenanceInterrupted` with the rows that are done. As `previous` of the next run they are not
     computed again, and its differences count from the run before.
@@ -304,7 +307,7 @@ def _seen(scene: Scene, asked: _Asked, keys: Sequence[str], out: Sequence[tuple[
         row = rows[part]
         places = _eyes(row) if asked.eyes is None else asked.eyes
         there = scene.without(list(gone)) if gone else scene
-        share = float(there._recalled("sight", [part], [row.frame, places], partial(_share, there, row, places)))
+        share = float(there._recalled("sight", [part], [*facts_of(row), places], partial(_share, there, row, places)))
         own = scene.mockup.part_bounds[2 * part : 2 * part + 2]
         lower, upper = np.minimum(places.min(axis=0), own[0]), np.maximum(places.max(axis=0), own[1])
         box = tuple(float(value) for value in (*lower, *upper))

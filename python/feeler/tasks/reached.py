@@ -20,7 +20,7 @@ from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reaching import access
 from feeler.plan.tool_seat import seated_tool
 from feeler.scene import PartNumber, Scene
-from feeler.tasks.digests import digest_of
+from feeler.tasks.digests import digest_of, facts_of
 from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
@@ -177,7 +177,7 @@ class Reaching:
             counts = [[[PartNumber(part), n] for part, n in some.items() if part != row.part] for some in (own, tried)]
             return [answer.tool or "", answer.swing_deg, stroke, answer.because, answer.way.tolist(), *counts]
 
-        told = scene._recalled("reach", [row.part], [digest, *_facts(row)], ask)
+        told = scene._recalled("reach", [row.part], [digest, *facts_of(row)], ask)
         name, swing, stroke, because, way, *counts = told
         own, tried = (Counter({int(part): n for part, n in each}) for each in counts)
         return _Told(name, swing, stroke, because, np.array(way).reshape(-1, 4, 4), own, tried)
@@ -229,11 +229,6 @@ def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
 
 def _tooled(told: _Told, name: str, because: str) -> tuple[Tooled, ...]:
     return (Tooled(name, told.swing_deg, told.way, because, told.stroke_deg),) if told.stroke_deg else ()
-
-
-def _facts(row: Fastener) -> list[Any]:
-    """What `access` knows of a fastener."""
-    return [row.kind, row.drive, row.size, row.across_flats, row.length, row.head_height, row.frame.tolist()]
 
 
 def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:

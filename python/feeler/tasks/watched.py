@@ -25,8 +25,8 @@ TOUCH_M = 1e-4
 NEAR_SHARE = 0.03
 """A removal looks at what is this near to the moving parts: metres, and a share of their size. It is more than it casts
 around fits and than it ignores as touching."""
-FEW_PARTS = 8
-"""Scenes with no more parts look at these."""
+FEW_PARTS, FEW_SHARE = 8, 4
+"""Scenes with no more parts, and no more than one of so many of those that they are made of, look at these."""
 STRAIGHT = 1.0 - 1e-9
 _QUIET = "looking at what leaves together"
 """While `task` is at this stage it asks of all fasteners; `maintain` compares these answers by themselves."""
@@ -92,7 +92,8 @@ class WatchedScene(Scene):
         made = super().only(parts)
         assert isinstance(made, WatchedScene)
         there = np.flatnonzero(made.part_mask)
-        if self._recall is not None and len(there) <= FEW_PARTS:
+        is_few = len(there) <= FEW_PARTS and FEW_SHARE * len(there) <= np.count_nonzero(self.part_mask)
+        if self._recall is not None and is_few:
             made._noted = NotedParts(self._noted, self._recall.memory.paths_of(there.tolist()))
         return made
 
