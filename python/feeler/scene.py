@@ -284,9 +284,8 @@ class Scene(_core.Scene):
     ) -> Any:
         """The answer of a question, which scenes that remember answers may know.
 
-        own: the parts that it moves; facts: all else that it depends on but for the parts around. Facts and answers are
-        lists of numbers, texts and `PartNumber`. is_enough: whether a known answer says enough.
-        """
+        own: the parts that it moves; facts: all else it depends on but for the parts around. Facts and answers: lists
+        of numbers, texts and `PartNumber`. is_enough: whether a known answer says enough."""
         return ask()
 
     def _saw_removal(self, tool: _core.Tool, directions: npt.NDArray[np.float64], found: Any) -> None:
