@@ -20,6 +20,7 @@ from shapes import Mesh, at, box
 import feeler
 from feeler import _core
 from feeler.errors import LoadError, MeshError, OptionError
+from feeler.tasks import regions
 from feeler.tasks.regions import Noted, Regions
 from feeler.tasks.watched import WatchedScene
 
@@ -215,7 +216,7 @@ def test_regions_meet_what_moving_boxes_meet() -> None:
         other = random.uniform(-1.0, 0.0, 3)
         upper = other + random.uniform(0.0, 0.7, 3)
         noted = Noted(np.full(3, -9.0), np.full(3, 9.0))
-        noted.sweep(low, high, way)
+        noted.sweep(np.stack([low, high])[None], way)
         looked = Regions.from_dict(json.loads(json.dumps(noted.regions().to_dict())))
         share = np.linspace(0.0, 1.0, 400)[:, None]
         is_met = ((low + share * way <= upper) & (high + share * way >= other)).all(axis=1).any()
@@ -223,6 +224,22 @@ def test_regions_meet_what_moving_boxes_meet() -> None:
         hits += is_met
         assert is_met <= looked.meets(other, upper) <= is_near
     assert 20 < hits < 280
+
+
+def test_coarse_regions_are_around_fine_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(5)
+    noted = Noted(np.full(3, -9.0), np.full(3, 9.0))
+    low = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]])
+    noted.sweep(np.stack([low, low + 0.1], axis=1), np.array([0.0, 0.0, 2.0]))
+    noted.sweep(np.stack([low, low + 0.1], axis=1)[:1], np.array([1.0, 2.0, 0.5]))
+    assert noted.regions().coarse().sweeps.shape == (3, 3, 3)
+    monkeypatch.setattr(regions, "_MOST_SWEEPS", 2)
+    fine, coarse = noted.regions(), noted.regions().coarse()
+    assert len(fine.sweeps) == 3 and len(coarse.sweeps) == 2
+    places = random.uniform(-0.5, 2.5, (2_000, 3))
+    met = [(fine.meets(each, each + 0.1), coarse.meets(each, each + 0.1)) for each in places]
+    assert all(one <= other for one, other in met) and sum(one for one, _ in met) > 20
+    assert coarse.meets(np.array([0.3, 0.05, 1.0]), np.array([0.31, 0.06, 1.1]))
 
 
 def test_many_boxes_become_few_and_cover_all() -> None:
@@ -249,12 +266,16 @@ def test_rows_do_not_depend_on_the_workers(before: feeler.Maintenance, processes
     distributed = pytest.importorskip("distributed")
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs="CRITICAL"
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        run = feeler.maintain(scene, covers(), tools=driver(), executor=client.get_executor())
+        two = client.get_executor()
+        run = feeler.maintain(scene, covers(), tools=driver(), executor=two)
         assert facts(run) == facts(before)
+        meshes = changed("lid moved")
+        again = feeler.maintain(scene_of(meshes), covers(), tools=driver(), previous=run, executor=two)
+        assert facts(again) == facts(maintained(meshes, before)) and [row.is_kept for row in again].count(True) == 3
 
 
 def test_an_interrupted_run_goes_on(before: feeler.Maintenance, tmp_path: Path) -> None:

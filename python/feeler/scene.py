@@ -6,7 +6,7 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from functools import partial
@@ -74,6 +74,10 @@ class PairKind(CodedEnum):
     point."""
     TOUCHING = "touching"
     """Every other case: a vertex or an edge on a face, edge on edge, a shared point."""
+
+
+class PartNumber(int):
+    """The index of a part, in what a scene may remember."""
 
 
 class Scene(_core.Scene):
@@ -269,6 +273,20 @@ class Scene(_core.Scene):
         scene = _core.Scene.__new__(type(self), selected)
         scene.build_seconds, scene._given = 0.0, self._given
         return scene
+
+    def _recalled(
+        self,
+        kind: str,
+        own: Sequence[int],
+        facts: Any,
+        ask: Callable[[], Any],
+        is_enough: Callable[[Any], bool] = lambda _: True,
+    ) -> Any:
+        """The answer of a question, which scenes that remember answers may know.
+
+        own: the parts that it moves; facts: all else it depends on but for the parts around. Facts and answers: lists
+        of numbers, texts and `PartNumber`. is_enough: whether a known answer says enough."""
+        return ask()
 
     def _saw_removal(self, tool: _core.Tool, directions: npt.NDArray[np.float64], found: Any) -> None:
         """Told by `removal` of parts, `tool`, that it answered in this scene: for scenes that note where it looked."""

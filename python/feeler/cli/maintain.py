@@ -109,8 +109,9 @@ def maintain(
 ) -> None:
     """Plans each of a list of parts as feeler task does, and compares with the last run.
 
-    A row is kept from the last run if no part that changed was or is where its search looked. Ctrl-C writes the rows
-    that are done; --previous goes on with them. Exit status: 0 fine, 1 rows that match --fail-on, 2 bad input.
+    A row is kept from the last run if no part that changed was or is where its search looked; others ask again only
+    where parts changed. --save writes FILE.json, and what was asked beside it, FILE.json.answers. Ctrl-C writes the
+    rows that are done; --previous goes on with them. Exit status: 0 fine, 1 rows that match --fail-on, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -147,6 +148,8 @@ def maintain(
             raise KeyboardInterrupt from None
     written = _written(run, {"save": save, "html": html, "xlsx": xlsx})
     failing = {word: [row.name for row in run.failing(word)] for word in words}
+    for hint in run.hints:
+        outputs.warn(hint)
     if as_json:
         rows = [row.to_dict() for row in run]
         changes = [each.to_dict() for each in run.changes]

@@ -9,7 +9,7 @@ by its own rule.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -25,7 +25,7 @@ from feeler.plan.frames import part_axes, scene_axes
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
 
 Floats = npt.NDArray[np.float64]
 
@@ -173,6 +173,10 @@ class BlockingGraph:
             self._holding[node] = frozenset(map(self.question.node_of, fasteners)) - self.question.kept - {node}
         return self._holding[node]
 
+    def fastener_axes(self, parts: tuple[int, ...]) -> list[Floats]:
+        """The axes of the fasteners among parts."""
+        return [fastener.axis for fastener in self.joints.among(parts)]
+
     def learn(self, node: int, exit_: Exit) -> None:
         """Adds an exit found by other means."""
         self._exits[node] = undominated([*self.exits(node), exit_])
@@ -238,7 +242,7 @@ class _Source:
         holding = graph.holding(self.node)
         if self._mover is None:
             self._mover = Mover(graph, self.node, frozenset(graph.question.parts_of(holding)))
-            self.directions = list(self._mover.directions())
+            self.directions = list(self._mover.opposing)
         while self.done < len(self.directions):
             if not graph.clock.goes_on():
                 return None
@@ -264,33 +268,67 @@ class Mover:
         self.graph, self.question, self.node = graph, graph.question, node
         self.passed = graph.allowed | before
         self.parts = self.question.parts_of([node])
-        self.tool = self.question.moving([node]) if shape is None else shape
-        self.rest = self.question.scene.without(list(self.parts))
-        self.size = float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
+        self._shape = shape
+        asked = self.question.grip["directions"] if node == TARGET else None
+        self._given: list[Floats] = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
+        self._facts = [graph.overlap, [PartNumber(part) for part in sorted(self.passed)]]
+        lines = [each.tolist() for each in (*self._given, *graph.axes)]
+        self._box = [each.tolist() for each in box_of_parts(self.question.scene)]
+        rows, *sets = self._recalled("directions", [lines, self._box], self._looked)
+        self.opposing = {tuple(direction): set(parts) for direction, parts in rows}
+        """The directions to try, in their order, and the touching parts against each; none of another shape."""
+        self.seats, self.flush, self.doubtful = sets[0], set(sets[1]), set(sets[2])
+
+    def _recalled(
+        self, kind: str, more: list[Any], ask: Callable[[], Any], is_enough: Callable[[Any], bool] = lambda _: True
+    ) -> Any:
+        """A question about it. With a gripping tool, or of another shape, none is remembered."""
+        if self._shape is not None or (self.node == TARGET and self.question.grip["tool"] is not None):
+            return ask()
+        return self.question.scene._recalled(kind, self.parts, [*more, *self._facts], ask, is_enough)
+
+    @cached_property
+    def tool(self) -> Tool:
+        """The moving parts."""
+        return self.question.moving([self.node]) if self._shape is None else self._shape
+
+    @cached_property
+    def rest(self) -> Scene:
+        """The scene without them."""
+        return self.question.scene.without(list(self.parts))
+
+    @cached_property
+    def size(self) -> float:
+        """The diagonal of their box, metres."""
+        return float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
+
+    def _looked(self) -> list[Any]:
+        """The directions with the parts against each, and the parts that it touches or intersects at the start."""
         touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
         self.contacts = self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
         is_touching = np.abs(self.contacts.gaps) <= TOUCH_M
-        self.flush = flush = set(self.contacts.parts[is_touching].tolist())
+        flush = set(self.contacts.parts[is_touching].tolist())
         deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
         met = {int(part) for part in touching.parts}
         # Casts find touching parts; measured depths find parts that intersect it.
-        self.seats = sorted((met - flush | deep) - self.passed)
-        self.doubtful: set[int] = set()
+        seats = (met - flush | deep) - self.passed
+        directions, doubtful = self._directions() if self._shape is None else ([], set[int]())
+        rows = [[list(direction), _numbers(self._opposed(direction))] for direction in directions]
+        return [rows, _numbers(seats), _numbers(flush), _numbers(doubtful)]
 
-    def directions(self) -> Iterator[Direction]:
+    def _directions(self) -> tuple[list[Direction], set[int]]:
         """The given directions; then the axes of the scene, of fasteners and of its own faces, contact normals, and the
         directions along two contacts, both ways: those opposed by the fewest touching parts first, of these the ways
-        that are the shortest out. An assembly in another pose has the same ones, turned."""
+        that are the shortest out. An assembly in another pose has the same ones, turned. And flush parts that may not
+        hold it."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
                 normals.append(normal)
         normals = normals[:MOST_NORMALS]
         own = part_axes(np.concatenate([self.graph.meshes.corners(part) for part in self.parts]))
-        axes = [fastener.axis for fastener in self.graph.joints.among(self.parts)]
+        axes = self.graph.fastener_axes(self.parts)
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
-        asked = self.question.grip["directions"] if self.node == TARGET else None
-        given = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
         lines = [
             *self.graph.axes,
             *axes,
@@ -300,7 +338,7 @@ class Mover:
         ]
         lines += normals[FIRST_NORMALS:]
         all_: list[Direction] = []
-        for line in [*given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
+        for line in [*self._given, *(sign * line for line in lines for sign in (1.0, -1.0))]:
             unit = line / np.linalg.norm(line)
             unit[np.abs(unit) < 1e-9] = 0.0
             if all(float(unit @ np.array(other)) < SAME_COSINE for other in all_):
@@ -311,12 +349,16 @@ class Mover:
             self.contacts.parts[(np.abs(self.contacts.gaps) <= TOUCH_M) & (self.contacts.gaps < 0.0)].tolist()
         )
         for direction in chosen:
-            rounding &= self.opposed(direction)
-        self.doubtful = rounding
+            rounding &= self._opposed(direction)
         # To a micrometre: in another pose ways that are as long differ by rounding.
-        return iter(sorted(chosen, key=lambda each: (len(self.opposed(each)), round(self._way_out(each), 6))))
+        order = sorted(chosen, key=lambda each: (len(self._opposed(each)), round(self._way_out(each), 6)))
+        return order, rounding
 
     def opposed(self, direction: Direction) -> set[int]:
+        """Touching parts with a contact plane against a direction."""
+        return self.opposing[direction] if direction in self.opposing else self._opposed(direction)
+
+    def _opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
         against = self.contacts.normals @ np.array(direction) < -OPPOSED
         touching = np.abs(self.contacts.gaps) <= TOUCH_M
@@ -325,11 +367,34 @@ class Mover:
     def blockers(self, direction: Direction, most: int, far: float = math.inf) -> frozenset[int] | None:
         """All other parts that block a direction, up to a distance, metres; `None` if a kept part does, if there are
         more than `most`, or if the time is up."""
+        sets = (self.opposed(direction), self.seats, self.flush, self.doubtful)
+        facts = [list(direction), far if math.isfinite(far) else None, self._box, *map(_numbers, sets)]
+        told = self._recalled(
+            "along", facts, lambda: self._met(direction, most, far), lambda told: self._found(told, most)[1]
+        )
+        return self._found(told, most)[0]
+
+    def _found(self, told: Sequence[Any], most: int) -> tuple[frozenset[int] | None, bool]:
+        """What `blockers` says of what was met, and whether that is enough to say it."""
+        kept = self.question.kept
+        first, hits, is_all = told
+        found = set(first)
+        for part in hits:
+            if found & kept or len(found) > most:
+                return None, True
+            found.add(part)
+        if found & kept or len(found) > most:
+            return None, True
+        return (frozenset(found), True) if is_all else (None, False)
+
+    def _met(self, direction: Direction, most: int, far: float) -> list[Any]:
+        """The parts against a direction at the start, those that it hits on its way, and whether these are all."""
         kept = self.question.kept
         opposed = self.opposed(direction)
         found = opposed - self.doubtful
         if not found & kept:
             found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
+        first, hits = _numbers(found), list[PartNumber]()
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
         pose, end = np.eye(4), self._moved(direction, min(far, self._way_out(direction)))
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
@@ -338,14 +403,15 @@ class Mover:
             # The next cast starts where the last one hit.
             hit = self.rest.cast(self.tool, pose, end, touching="free", ignore=ignore)
             if hit is None:
-                return frozenset(found)
+                return [first, hits, True]
             passed.add(hit.part)
             pose = hit.pose
             # Flush faces in no special direction cross by rounding: depth tells whether it enters.
             is_rounding = hit.part in self.flush and float(np.abs(pose[:3, 3]).max()) <= TOUCH_M
             if not (self.graph.overlap or is_rounding) or self._deeper(direction, {hit.part}):
                 found.add(hit.part)
-        return None
+                hits.append(PartNumber(hit.part))
+        return [first, hits, False]
 
     def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
         """The parts that it enters deeper along a direction than at the start, by samples."""
@@ -380,15 +446,12 @@ class Mover:
         return pose
 
     def _way_out(self, direction: Direction) -> float:
-        return way_out(self.rest, self.tool, direction)
+        return way_out(self.question.scene, self.tool, direction)
 
 
-def way_out(rest: Scene, tool: Tool, direction: Direction) -> float:
-    """The distance along a direction at which the box of a tool leaves the box of a scene, metres."""
-    if not rest.part_mask.any():
-        return 0.0
-    boxes = rest.mockup.part_bounds.reshape(-1, 2, 3)[rest.part_mask]
-    lower, upper = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+def way_out(scene: Scene, tool: Tool, direction: Direction) -> float:
+    """The distance along a direction at which the box of a tool leaves the box of all parts of a scene, metres."""
+    lower, upper = box_of_parts(scene)
     low, high = tool.bounds
     along = np.array(direction)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -396,12 +459,22 @@ def way_out(rest: Scene, tool: Tool, direction: Direction) -> float:
     return max(0.0, float(leave.min())) + TOUCH_M
 
 
+def box_of_parts(scene: Scene) -> tuple[Floats, Floats]:
+    """The corners of the box of all parts of a scene."""
+    boxes = scene.mockup.part_bounds.reshape(-1, 2, 3)[scene.part_mask]
+    return boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+
+
+def _numbers(parts: Iterable[int]) -> list[PartNumber]:
+    return [PartNumber(part) for part in sorted(parts)]
+
+
 class Joints:
     """The fasteners of a scene and the parts that each joins, computed on demand."""
 
     def __init__(self, scene: Scene, look: Progress) -> None:
         """look: called often; what it raises ends the work."""
-        self.scene, self._look = scene, look
+        self.scene, self.look = scene, look
         self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self._seen: set[int] = set()
         self._rows: dict[int, Fastener] = {}
@@ -411,7 +484,7 @@ class Joints:
         """The parts that are fasteners."""
         new = sorted(set(parts) - self._seen)
         if new:
-            rows = find_fasteners(self.scene, new, self._look)
+            rows = find_fasteners(self.scene, new, self.look)
             self._seen.update(new)
             self._rows.update((row.part, row) for row in rows if row.confidence >= NAMED)
         return [self._rows[part] for part in parts if part in self._rows]
@@ -433,7 +506,7 @@ class Joints:
         """The parts that a fastener joins: those around its shank, and under its nut."""
         known = self._joined.get(row.part)
         if known is None:
-            self._look(0.0, "")
+            self.look(0.0, "")
             rest = self.scene.without([row.part])
             shank = _shank(row, self._bounds[row.part])
             met = {int(part) for part in rest.collide(shank, row.frame).parts}

@@ -349,7 +349,7 @@ class _Search:
 
     def _is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
         self.clock.look()
-        return self.question.is_met(nodes, other, way)
+        return self.question.is_met(nodes, other, way.poses)
 
     @property
     def _least(self) -> Budget:

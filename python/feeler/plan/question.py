@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from feeler.errors import FeelerError
 from feeler.mockup import Tool
@@ -178,10 +179,10 @@ class Question:
             return None, False
         return way if way.is_found else None, _is_cut(way)
 
-    def is_met(self, nodes: frozenset[int], other: int, way: Removal) -> bool:
-        """Whether a way collides with another part, or the wanted ones."""
+    def is_met(self, nodes: frozenset[int], other: int, poses: npt.NDArray[np.float64]) -> bool:
+        """Whether a way, `(n, 4, 4)`, collides with another part, or the wanted ones."""
         there = self.scene.only(list(self.parts_of([other])))
-        return not there.check_path(self.moving(nodes), way.poses, touching="free").is_free
+        return not there.check_path(self.moving(nodes), poses, touching="free").is_free
 
     def _held(self, nodes: frozenset[int], direction: Direction | None) -> dict[str, Any]:
         grip = self.grip if TARGET in nodes else dict.fromkeys(self.grip)

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
-from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph
+from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph, Joints
 from feeler.plan.question import TARGET, Clock, Question
 from feeler.plan.sequence import Exit
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
 from feeler.tasks.ahead import Ahead
 from feeler.tasks.elastic import Rings
 from feeler.tasks.fixings import Fixing, Fixings
@@ -73,6 +74,10 @@ class _Graph(BlockingGraph):
             self._exits[node] = self.rings.exits(node)
         return super().exits(node)
 
+    def fastener_axes(self, parts: tuple[int, ...]) -> list[Floats]:
+        """As of each graph. They are looked for anew, so that where that looks is noted for each question."""
+        return [row.axis for row in Joints(self.question.scene, self.joints.look).among(parts)]
+
     def holding(self, node: int) -> frozenset[int]:
         """The fasteners that are undone before a part leaves."""
         if node not in self._holding:
@@ -117,6 +122,7 @@ class Actions:
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
         self._most: dict[int, frozenset[int]] = {}
+        self._by_hand: dict[tuple[int, ...], Choice] = {}
         self._needed: dict[int, frozenset[int]] = {}
         self._holders: dict[int, list[frozenset[int]]] = {}
         self.met: dict[int, frozenset[int]] = {}
@@ -202,8 +208,10 @@ class Actions:
 
     def by_hand(self, items: Iterable[int]) -> Choice:
         """As `Problem`."""
-        timed = self.taken(tuple(items))
-        return Choice("", timed.mean, None)
+        own = tuple(items)
+        if own not in self._by_hand:
+            self._by_hand[own] = Choice("", self.taken(own).mean, None)
+        return self._by_hand[own]
 
     def taken(self, items: Sequence[int]) -> Timed:
         """The time of a step without a tool."""
@@ -266,25 +274,47 @@ class Actions:
         """The way out along the axis, with all that is in it; none if something kept is."""
         question = self.question
         own = question.parts_of([fixing.part])
-        tool, rest = Tool.of_parts(question.scene.mockup, list(own)), question.scene.without(list(own))
-        passed = set(self.ignored(fixing))
-        deep = self._deep(rest, tool, passed)
-        found = self._deepening(rest, tool, fixing, deep)
-        passed |= deep
-        if not all(self._nodes([part]) for part in found):
-            self.met[fixing.part] = frozenset(found)
+        ignored, far = self.ignored(fixing), self.drawn(fixing)
+        facts = [far.tolist(), [PartNumber(part) for part in ignored]]
+        deep, hits, _ = question.scene._recalled(
+            "axis", own, facts, lambda: self._met_on(fixing, own, ignored), self._is_enough
+        )
+        kept = [part for part in deep if not self._nodes([part])]
+        if kept:
+            self.met[fixing.part] = frozenset(deep)
             return ()
+        kept = [part for part in hits if not self._nodes([part])]
+        if kept:
+            self.met[fixing.part] = frozenset(kept[:1])
+            return ()
+        return (Way((AXIS,), self._nodes([*deep, *hits])),)
+
+    def _is_enough(self, told: Sequence[Any]) -> bool:
+        """Whether what was met on an axis is all of it, or has something that is kept."""
+        deep, hits, is_all = told
+        return is_all or not all(self._nodes([part]) for part in [*deep, *hits])
+
+    def _met_on(self, fixing: Fixing, own: Sequence[int], ignored: Sequence[int]) -> list[Any]:
+        """What a fastener enters deeper on its axis; what it hits, up to the first that is kept; if that is all."""
+        scene = self.question.scene
+        tool, rest = Tool.of_parts(scene.mockup, list(own)), scene.without(list(own))
+        passed = set(ignored)
+        entered = self._deep(rest, tool, passed)
+        deep = [PartNumber(part) for part in sorted(self._deepening(rest, tool, fixing, entered))]
+        hits: list[PartNumber] = []
+        if not all(self._nodes([part]) for part in deep):
+            return [deep, hits, False]
+        passed |= entered
         pose, far = np.eye(4), self.drawn(fixing)
         while True:
             self.clock.look()
             ignore = [("*", sorted(passed))] if passed else None
             hit = rest.cast(tool, pose, far, touching="free", ignore=ignore)
             if hit is None:
-                return (Way((AXIS,), self._nodes(found)),)
+                return [deep, hits, True]
+            hits.append(PartNumber(hit.part))
             if not self._nodes([hit.part]):
-                self.met[fixing.part] = frozenset([hit.part])
-                return ()
-            found.add(hit.part)
+                return [deep, hits, False]
             passed.add(hit.part)
             pose = hit.pose
 

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
+from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
 from feeler.tasks.threads import nominal
@@ -141,7 +142,9 @@ class Fixings:
         hold, row = self._held[part], self._rows.get(part)
         if row is None:
             return Fixing(hold, None, Turns(0.0, ""), 0.0)
-        size, engaged = self._thread(row, hold)
+        facts = [[*facts_of(self._rows.get(each)), each == hold.anchor] for each in (part, *hold.mates)]
+        anchor = None if hold.anchor is None else PartNumber(hold.anchor)
+        size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
         turns = self.times.turns(row.path, nominal(row, size), engaged)
         length = row.length if math.isfinite(row.length) else 0.0
         return Fixing(hold, row, turns, BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length))

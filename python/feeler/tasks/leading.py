@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.plan.blocking import way_out
 from feeler.plan.question import Clock
-from feeler.plan.removal import Allowed, Removal, RemovalBlocker, not_tried, way_from
+from feeler.plan.removal import Allowed, Removal, not_tried, way_from
 from feeler.plan.sequence import Exit
+from feeler.scene import PartNumber, Scene
 from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import WayAsked
 from feeler.tasks.elastic import RingWay
@@ -41,7 +43,24 @@ class Led:
     poses: Floats
     """`(k, 4, 4)`, as of `Removal`."""
     said: str
-    blocked_by: tuple[RemovalBlocker, ...]
+    worst: int | None = None
+    """The part that stopped most attempts."""
+
+    @classmethod
+    def of(cls, found: Removal) -> Led:
+        """That of an answer."""
+        said = "; ".join(str(leg) for leg in found.legs) or "it is clear of all other parts where it is"
+        return cls(found.is_found, found.poses, said, next((each.part for each in found.blocked_by), None))
+
+    def plain(self) -> list[Any]:
+        """As scenes remember it."""
+        worst = None if self.worst is None else PartNumber(self.worst)
+        return [self.is_found, self.poses.tolist(), self.said, worst]
+
+    @classmethod
+    def read(cls, data: Sequence[Any]) -> Led:
+        """What `plain` gave."""
+        return cls(data[0], np.array(data[1]).reshape(-1, 4, 4), data[2], data[3])
 
 
 @dataclass(frozen=True)
@@ -59,6 +78,8 @@ class Searched:
     """With the items that have to be out."""
     tried: set[tuple[int, frozenset[int]]] = field(default_factory=set)
     """Items, and the parts that were gone."""
+    led: dict[WayAsked, Led] = field(default_factory=dict)
+    """The ways of parts from where they are modelled."""
     shortest: dict[tuple[Unit, tuple[int, ...], frozenset[int]], Any] = field(default_factory=dict)
     """Of a step, what leaves in it and what is gone, the direction in which it is out first."""
 
@@ -79,7 +100,7 @@ class Leading:
         gone = self.actions.gone(out)
         self.clock.tell(f"checking the way of {self._mockup.part_names[parts[0]]}")
         if self._is_last(parts, gone):
-            return Led(True, np.eye(4)[None], "nothing else is left around it", ())
+            return Led(True, np.eye(4)[None], "nothing else is left around it")
         motion: Any = unit.motion
         if isinstance(motion, Slip):
             return self._of_ring(self.actions.rings.way(motion), parts, gone, STRAIGHT_ROUNDS, True)
@@ -87,7 +108,7 @@ class Leading:
             before, led = self._searched.bent[motion]
             if before <= out:
                 return led
-        return _led(self._removal(self._asked(unit, parts, gone)))
+        return self._led(self._asked(unit, parts, gone))
 
     def asked(self, unit: Unit, parts: tuple[int, ...], out: frozenset[int]) -> WayAsked | None:
         """What will be asked for the way of a step; None for what is known, and for rings."""
@@ -119,8 +140,8 @@ class Leading:
         rest = question.scene.without([*parts, *gone])
         tool = Tool.of_parts(self._mockup, list(parts))
         motion: Any = unit.motion
-        most = way_out(rest, tool, motion) - SHORTER_M
-        found = {each: way_out(rest, tool, each) for each in self.actions.graph.directions(unit.items[0])}
+        most = way_out(question.scene, tool, motion) - SHORTER_M
+        found = {each: way_out(question.scene, tool, each) for each in self.actions.graph.directions(unit.items[0])}
         shorter = sorted((each for each, far in found.items() if far < most), key=lambda each: round(found[each], 6))
         for each in shorter:
             self.clock.look()
@@ -142,9 +163,9 @@ class Leading:
         self.clock.tell(f"searching a way of {self._mockup.part_names[parts[0]]}")
         if item not in actions.rings:
             asked = WayAsked(parts, gone, None, rounds, int(self.question.options["seed"]))
-            led, needed = _led(self._removal(asked)), frozenset[int]()
+            led, needed = self._led(asked), frozenset[int]()
         else:
-            led, needed = Led(False, np.eye(4)[None], "", ()), frozenset[int]()
+            led, needed = Led(False, np.eye(4)[None], ""), frozenset[int]()
             for way in actions.rings.ways(item):
                 if way.blockers <= out:
                     led, needed = self._of_ring(way, parts, gone, rounds, False), way.blockers
@@ -193,21 +214,33 @@ class Leading:
         """Opened until it lies free; from there on its way is searched."""
         direction = way.slipping.direction if is_straight else None
         asked = WayAsked(parts, gone, direction, rounds, int(self.question.options["seed"]))
-        found = self._removal(asked, way.slipping.pose)
-        led = _led(found)
+        found = self._from(way.slipping.pose, asked)
+        led = Led.of(found)
         said = f"{way.slipping}" + (f"; then {led.said}" if found.legs else "")
-        return Led(led.is_found, np.concatenate([np.eye(4)[None], led.poses]), said, led.blocked_by)
+        return Led(led.is_found, np.concatenate([np.eye(4)[None], led.poses]), said, led.worst)
 
-    def _removal(self, asked: WayAsked, lies: Floats | None = None) -> Removal:
-        """lies: where the parts begin, if not where they are modelled."""
-        question, threads = self.question, self.question.options["threads"]
+    def _led(self, asked: WayAsked) -> Led:
+        """The way of parts from where they are modelled."""
+        threads = self.question.options["threads"]
+        if not self.clock.goes_on():
+            return Led.of(not_tried(asked.seed))
+        if asked not in self._searched.led:
+            facts = [None if asked.direction is None else list(asked.direction), asked.rounds, asked.seed]
+            told = self._left(asked.gone)._recalled(
+                "way", asked.parts, facts, lambda: Led.of(self.actions.ahead.way(asked, threads)).plain()
+            )
+            if not self.clock.goes_on():
+                return Led.read(told)
+            self._searched.led[asked] = Led.read(told)
+        return self._searched.led[asked]
+
+    def _from(self, pose: Floats, asked: WayAsked) -> Removal:
+        """The way of parts that are moved first."""
         if not self.clock.goes_on():
             return not_tried(asked.seed)
-        if lies is None:
-            return self.actions.ahead.way(asked, threads)
-        scene = question.scene.without(sorted(asked.gone)) if asked.gone else question.scene
+        scene = self._left(asked.gone)
         return way_from(
-            lies,
+            pose,
             scene,
             list(asked.parts),
             tool=None,
@@ -218,11 +251,9 @@ class Leading:
             seconds=self.clock.left,
             rounds=asked.rounds,
             seed=asked.seed,
-            threads=threads,
+            threads=self.question.options["threads"],
             progress=lambda _share, _stage: self.clock.look(),
         )
 
-
-def _led(found: Removal) -> Led:
-    said = "; ".join(str(leg) for leg in found.legs) or "it is clear of all other parts where it is"
-    return Led(found.is_found, found.poses, said, found.blocked_by)
+    def _left(self, gone: frozenset[int]) -> Scene:
+        return self.question.scene.without(sorted(gone)) if gone else self.question.scene

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
-import pickle
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,6 @@ from feeler.arguments import (
     shown,
 )
 from feeler.errors import FeelerError, LoadError, OptionError
-from feeler.mockup import Tool
 from feeler.plan.catalogue import catalogue
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.removal import LARGEST_SEED
@@ -37,16 +36,20 @@ from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
 from feeler.stopping import check_stop
 from feeler.tasks.answer import Task
+from feeler.tasks.digests import digest_of, facts_of, short
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.listed import Wanted, wanted_of
+from feeler.tasks.memory import Answer, Memory, carried
 from feeler.tasks.night_rows import Plan, Seeing
 from feeler.tasks.planning import task
 from feeler.tasks.reached import Reaching
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of
+from feeler.tasks.steps import clock
+from feeler.tasks.stored_answers import StoredAnswers
 from feeler.tasks.times import Times
-from feeler.tasks.watched import WatchedScene
+from feeler.tasks.watched import Recall, WatchedScene
 
 Floats = npt.NDArray[np.float64]
 
@@ -55,6 +58,8 @@ BUILT_IN_TOOLS = "built-in"
 EYES = 32
 EYE_M = 0.35
 """Without `eyes`: as many places of the eyes around each head, and how far from it they are, metres."""
+LEAST_LEFT_S = 10.0
+"""Shorter times that are left are not said."""
 _UNREACHED = "no tool reaches it"
 _VERSION = 1
 """Of what rows mean: a row of another version is not kept."""
@@ -93,6 +98,9 @@ def maintain(
     the box of all parts, or if the order of the parts is another. Rows that `seconds` ended are never kept. What is
     seen of a fastener is kept if no changed part meets the box around the eyes and it.
 
+    Rows that are computed anew ask again only what looked at a change: answers of the last run are used where the same
+    parts, unmoved, are where they looked. `save` writes them beside the run; `hints` says why they were not used.
+
     Ctrl-C raises `MaintenanceInterrupted` with the rows that are done. As `previous` of the next run they are not
     computed again, and its differences count from the run before.
 
@@ -118,11 +126,14 @@ def maintain(
     held = holds(scene, fasteners)
     snapshot = Snapshot.of(scene, fasteners, held)
     options = _digest(tools, table, limit, seed, places)
-    asked = _Asked(tools, table, limit, seed, fasteners, held, places)
-    night = _Night(scene, wanted, options, snapshot, before, asked)
+    asked = _Asked(tools, table, limit, seed, fasteners, held, places, Memory(keys_of(scene.mockup), snapshot))
+    is_here = pool is None or isinstance(pool, ThreadPoolExecutor)
+    night = _Night(scene, wanted, options, snapshot, before, asked, is_here)
+
+    begin = time.monotonic()
 
     def heard(done: int, stage: str) -> None:
-        say(done / max(1, len(night.jobs)), stage or f"planning: {done:,} of {len(night.jobs):,}")
+        say(done / max(1, len(night.jobs)), stage or _so_far(done, len(night.jobs), time.monotonic() - begin))
 
     own = None if pool is not None else ThreadPoolExecutor(count, thread_name_prefix="feeler-maintain")
     try:
@@ -133,6 +144,13 @@ def maintain(
         if own is not None:
             own.shutdown(wait=True, cancel_futures=True)
     return night.run(answers)
+
+
+def _so_far(done: int, count: int, seconds: float) -> str:
+    """The rows that are done, and about how long the others take."""
+    said = f"{done:,} of {count:,} rows"
+    left = seconds * (count - done) / done if done else 0.0
+    return f"{said}, about {clock(left)} left" if left >= LEAST_LEFT_S else said
 
 
 def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
@@ -171,6 +189,7 @@ class _Asked:
     fasteners: Fasteners
     held: Holds
     eyes: Floats | None
+    memory: Memory
 
 
 @dataclass(frozen=True)
@@ -181,21 +200,38 @@ class _Job:
     wanted: Wanted
     seeing: tuple[tuple[int, tuple[int, ...]], ...] | None
     """Fasteners, and the parts that are out before each."""
+    answers: tuple[Answer, ...] = ()
+    """For workers elsewhere: what this row asked in the last run."""
 
 
-def _answered(scene: Scene, asked: _Asked, job: _Job) -> tuple[Plan | None, list[Seeing]]:
+@dataclass(frozen=True)
+class _Row:
+    """What became of a job."""
+
+    plan: Plan | None
+    seen: list[Seeing]
+    used: tuple[str, ...]
+    """The names of the answers that it used."""
+    new: tuple[Answer, ...]
+    """Those of them that it computed."""
+
+
+def _answered(scene: Scene, asked: _Asked, job: _Job) -> _Row:
     """The task of one row, in a worker."""
     keys = keys_of(scene.mockup)
+    begin = time.monotonic()
+    asked.memory.take(job.answers)
+    recall = Recall(asked.memory, lambda: time.monotonic() - begin < asked.seconds)
     if job.seeing is not None:
-        return None, _seen(scene, asked, keys, job.seeing)
-    watched = WatchedScene.of(scene)
+        seen = _seen(WatchedScene.of(scene, recall), asked, keys, job.seeing)
+        return _Row(None, seen, tuple(recall.used), tuple(recall.new))
+    watched = WatchedScene.of(scene, recall)
     noted = watched.noted
 
     def heard(share: float, stage: str) -> None:
         watched.heard(share, stage)
         check_stop(share, stage)
 
-    begin = time.monotonic()
     try:
         found = task(
             watched,
@@ -212,11 +248,14 @@ def _answered(scene: Scene, asked: _Asked, job: _Job) -> tuple[Plan | None, list
             progress=heard,
         )
     except FeelerError as error:
-        return Plan.failed(str(error)), []
-    noted.asked.update(keys[part] for part in job.wanted.parts)
+        return _Row(Plan.failed(str(error)), [], tuple(recall.used), tuple(recall.new))
+    noted.is_on = True
+    noted.ask(keys[part] for part in job.wanted.parts)
     is_cut = time.monotonic() - begin >= asked.seconds
     out = _out_before(found, asked.fasteners)
-    return _plan(found, keys, noted.regions(), is_cut), _seen(scene, asked, keys, out)
+    plan = _plan(found, keys, noted.regions().coarse(), is_cut)
+    seen = _seen(WatchedScene.of(scene, recall), asked, keys, out)
+    return _Row(plan, seen, tuple(recall.used), tuple(recall.new))
 
 
 def _out_before(found: Task, fasteners: Fasteners) -> tuple[tuple[int, tuple[int, ...]], ...]:
@@ -268,12 +307,16 @@ def _seen(scene: Scene, asked: _Asked, keys: Sequence[str], out: Sequence[tuple[
         row = rows[part]
         places = eyes_over(row) if asked.eyes is None else asked.eyes
         there = scene.without(list(gone)) if gone else scene
-        share = sight(there, Fasteners([row]), places)[0].share
+        share = float(there._recalled("sight", [part], [*facts_of(row), places], partial(_share, there, row, places)))
         own = scene.mockup.part_bounds[2 * part : 2 * part + 2]
         lower, upper = np.minimum(places.min(axis=0), own[0]), np.maximum(places.max(axis=0), own[1])
         box = tuple(float(value) for value in (*lower, *upper))
         found.append(Seeing(keys[part], share, tuple(keys[each] for each in gone), box))
     return found
+
+
+def _share(scene: Scene, row: Fastener, places: Floats) -> float:
+    return sight(scene, Fasteners([row]), places)[0].share
 
 
 def eyes_over(row: Fastener) -> Floats:
@@ -290,31 +333,12 @@ def _digest(tools: Any, times: Times, seconds: float, seed: int, eyes: Floats | 
     """What rows depend on beside the parts."""
 
     return {
-        "version": str(_VERSION),
-        "tools": _short(_content(tools)),
-        "times": _short(times.to_toml().encode()),
+        "version": f"{_VERSION} of {version('feeler')}",
+        "tools": digest_of(tools),
+        "times": short(times.to_toml().encode()),
         "search": repr((seconds, seed)),
-        "eyes": "" if eyes is None else _short(eyes.tobytes()),
+        "eyes": "" if eyes is None else short(eyes.tobytes()),
     }
-
-
-def _short(data: bytes) -> str:
-    return hashlib.blake2b(data, digest_size=12).hexdigest()
-
-
-def _content(value: Any) -> bytes:
-    """What tools are, in bytes: the same for the same shapes and options."""
-    if isinstance(value, Tool):
-        return _content([value.name, value.vertices, value.faces, value.part_of_face])
-    if isinstance(value, np.ndarray):
-        return repr((value.shape, value.dtype.str)).encode() + np.ascontiguousarray(value).tobytes()
-    if isinstance(value, Mapping):
-        return b"{" + b",".join(_content(each) for item in value.items() for each in item) + b"}"
-    if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
-        return b"[" + b",".join(_content(each) for each in value) + b"]"
-    if value is None or isinstance(value, (str, int, float, bool)) or is_dataclass(value):
-        return repr(value).encode()
-    return pickle.dumps(value, protocol=4)
 
 
 class _Night:
@@ -328,6 +352,7 @@ class _Night:
         snapshot: Snapshot,
         before: Maintenance | None,
         asked: _Asked,
+        is_here: bool,
     ) -> None:
         self._wanted, self._options, self._snapshot, self._before = wanted, dict(options), snapshot, before
         self._keys = keys_of(scene.mockup)
@@ -335,14 +360,39 @@ class _Night:
         self._ids = _numbered([self._id(each) for each in wanted])
         goes_on = before is not None and before.is_partial
         self._base = before.base if before is not None and goes_on else before
-        runs = [run for run in (before, self._base) if run is not None]
+        runs = list({id(run): run for run in (before, self._base) if run is not None}.values())
         is_bare = asked.tools is None
         self._changes = {id(run): Changes(run.snapshot, snapshot, is_bare) for run in runs}
         self._kept: dict[int, tuple[Plan, list[Seeing]]] = {}
         self.jobs: list[_Job] = []
         self._lower, self._upper = box_of(scene.mockup.part_bounds.reshape(-1, 2, 3))
+        self._memory = asked.memory
         for number, each in enumerate(wanted):
             self._decide(number, each, runs)
+        self.hints = [hint for run in runs for hint in run.hints]
+        self._used: dict[str, tuple[str, ...]] = {}
+        is_same = len(runs) == 1 and not self.jobs and runs[0].snapshot == snapshot
+        self._same = runs[0].answers if is_same else None
+        if not is_same:
+            self._recall(runs)
+        if not is_here:
+            known = {answer.name: answer for answer in self._memory}
+            for n, job in enumerate(self.jobs):
+                names = self._used.get(self._ids[job.number], ())
+                self.jobs[n] = replace(job, answers=tuple(known[name] for name in names if name in known))
+
+    def _recall(self, runs: Sequence[Maintenance]) -> None:
+        """Takes the answers of runs that can still hold."""
+        for run in reversed(runs):
+            if run.options.get("version") != self._options["version"] or run.answers is None:
+                continue
+            try:
+                answers, rows = run.answers.read()
+            except ValueError as error:
+                self.hints.append(f"The answers of the last run are not used: {error}. Rows are computed in full.")
+                continue
+            self._memory.take(carried(answers, run.snapshot, self._snapshot, self._changes[id(run)]))
+            self._used.update(rows)
 
     def _id(self, each: Wanted) -> str:
         return json.dumps(
@@ -372,21 +422,25 @@ class _Night:
         is_same = all(run.options.get(name) == self._options[name] for name in ("version", "tools", "times", "search"))
         return is_same and not plan.is_cut and not plan.error and not self._changes[id(run)].bearing_on(plan.regions)
 
-    def run(self, answers: Mapping[int, tuple[Plan | None, list[Seeing]]]) -> Maintenance:
+    def run(self, answers: Mapping[int, _Row]) -> Maintenance:
         """The run, with the answers to some jobs."""
         found = {self.jobs[number].number: answer for number, answer in answers.items()}
         missing = {job.number for job in self.jobs} - found.keys()
         plans: dict[str, tuple[Plan, list[Seeing]]] = {}
         kept: set[str] = set()
+        used = {name: self._used.get(name, ()) for name in self._ids}
         for number, name in enumerate(self._ids):
+            row = found.get(number)
             if number in missing:
                 continue
-            plan, seen = found.get(number, (None, []))
-            if plan is not None:
-                plans[name] = plan, seen
+            if row is not None:
+                self._memory.take(row.new)
+                used[name] = row.used if row.plan is not None else (*used[name], *row.used)
+            if row is not None and row.plan is not None:
+                plans[name] = row.plan, row.seen
             else:
                 own, old = self._kept[number]
-                again = {each.path: each for each in seen}
+                again = {each.path: each for each in (row.seen if row is not None else ())}
                 plans[name] = own, [again.get(each.path, each) for each in old]
                 kept.add(name)
         return Maintenance(
@@ -398,7 +452,15 @@ class _Night:
             snapshot=self._snapshot,
             base=self._base,
             is_partial=bool(missing),
+            answers=self._answers(used),
+            hints=self.hints,
         )
+
+    def _answers(self, used: Mapping[str, Sequence[str]]) -> StoredAnswers | None:
+        """Those that rows used, for the next run."""
+        if self._same is not None:
+            return self._same
+        return StoredAnswers.of(list(self._snapshot.parts), self._memory, used)
 
 
 def _numbered(names: Sequence[str]) -> list[str]:

@@ -350,7 +350,7 @@ class _Planner:
         """A motion that does not hold has more blockers than casts along it met."""
         graph, question = self.actions.graph, self.question
         items = set(step.unit.items)
-        more = next((question.node_of(each.part) for each in tried.blocked_by), None)
+        more = None if tried.worst is None else question.node_of(tried.worst)
         for item in step.unit.items:
             for one in graph.forget(item, step.unit.motion):
                 if more is not None and more not in items | question.kept | {TARGET}:

@@ -20,7 +20,8 @@ from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Reach
 from feeler.plan.reaching import APPROACH_M, access, quickest
 from feeler.plan.tool_seat import seated_tool
-from feeler.scene import Scene
+from feeler.scene import PartNumber, Scene
+from feeler.tasks.digests import digest_of, facts_of
 from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
@@ -65,6 +66,46 @@ class _Held:
     name: str
     tool: Tool
     options: dict[str, Any]
+    digest: str
+
+
+@dataclass(frozen=True, eq=False)  # it holds an array
+class _Told:
+    """What `access` says of one fastener."""
+
+    tool: str
+    swing_deg: float
+    stroke_deg: float
+    """0 where it is not reached."""
+    because: str
+    way: Floats
+    own: Counter[int]
+    """How often parts are in the way of the tool."""
+    tried: Counter[int]
+    """And of all that were tried before it."""
+
+    @classmethod
+    def of(cls, answer: Reach, row: Fastener) -> _Told:
+        """That of an answer, without the fastener itself."""
+        stroke = (answer.stroke_deg or answer.swing_deg) if answer.is_reachable else 0.0
+        own, tried = Counter({each.part: each.count for each in answer.blockers}), Counter[int]()
+        for each in answer.tried:
+            tried.update({block.part: block.count for block in each.blockers})
+        for counts in (own, tried):
+            counts.pop(row.part, None)
+        return cls(answer.tool or "", answer.swing_deg, stroke, answer.because, answer.way, own, tried)
+
+    def plain(self) -> list[Any]:
+        """As scenes remember it."""
+        counts = [[[PartNumber(part), n] for part, n in some.items()] for some in (self.own, self.tried)]
+        return [self.tool, self.swing_deg, self.stroke_deg, self.because, self.way.tolist(), *counts]
+
+    @classmethod
+    def read(cls, data: Sequence[Any]) -> _Told:
+        """What `plain` gave."""
+        tool, swing, stroke, because, way, *counts = data
+        own, tried = (Counter({int(part): n for part, n in each}) for each in counts)
+        return cls(tool, swing, stroke, because, np.array(way).reshape(-1, 4, 4), own, tried)
 
 
 class Reaching:
@@ -84,6 +125,7 @@ class Reaching:
         self._known: dict[int, dict[frozenset[int], Reached]] = {}
         self._enough: dict[int, int] = {}
         self._ahead: dict[tuple[int, frozenset[int]], Reached] = {}
+        self._digests: dict[int, str] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
@@ -169,23 +211,47 @@ class Reaching:
         scene = self.scene.without(sorted(out)) if out else self.scene
         if self.catalogue is not None:
             least = strokes_for(turns, 360.0) if enough is None else enough
-            answers = quickest(scene, self.catalogue, row, turns, least)
-            tooled = tuple(one for each in answers for one in _tooled(each, each.tool or "", each.because))
+            answers = self._quickest(scene, self.catalogue, row, turns, least)
+            tooled = tuple(one for each in answers for one in _tooled(each, each.tool, each.because))
             return Reached(tooled, _in_the_way(answers), near, answers[-1].because)
         found: list[Tooled] = []
-        blockers: dict[int, int] = {}
+        blockers: Counter[int] = Counter()
         reasons = []
         for held in self.tools:
-            answer = access(scene, held.tool, Fasteners([row]), threads=self.threads, **held.options)[0]
-            because = f"{held.name}: {answer.because}" if len(self.tools) > 1 else answer.because
-            found += _tooled(answer, held.name, because)
-            if not answer.is_reachable:
+            told = self._told(scene, row, held)
+            because = f"{held.name}: {told.because}" if len(self.tools) > 1 else told.because
+            found += _tooled(told, held.name, because)
+            if not told.stroke_deg:
                 reasons.append(because)
-            for each in answer.blockers:
-                if each.part != row.part:
-                    blockers[each.part] = blockers.get(each.part, 0) + each.count
+            blockers.update(told.own)
         worst = tuple(sorted(blockers, key=lambda part: (-blockers[part], part)))
         return Reached(tuple(found), worst, near, "; ".join(reasons))
+
+    def _told(self, scene: Scene, row: Fastener, held: _Held) -> _Told:
+        """What `access` says of one fastener and tool."""
+
+        def ask() -> list[Any]:
+            answer = access(scene, held.tool, Fasteners([row]), threads=self.threads, **held.options)[0]
+            return _Told.of(answer, row).plain()
+
+        return _Told.read(scene._recalled("reach", [row.part], [held.digest, *facts_of(row)], ask))
+
+    def _quickest(self, scene: Scene, tools: Catalogue, row: Fastener, turns: float, enough: int) -> list[_Told]:
+        """What `quickest` says."""
+
+        def ask() -> list[Any]:
+            return [_Told.of(each, row).plain() for each in quickest(scene, tools, row, turns, enough)]
+
+        facts = [self._fitting(row), turns, *facts_of(row)]
+        return [_Told.read(each) for each in scene._recalled("quickest", [row.part], facts, ask)]
+
+    def _fitting(self, row: Fastener) -> str:
+        """The digest of all of a catalogue that bears on a fastener."""
+        assert self.catalogue is not None
+        if row.part not in self._digests:
+            fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size)
+            self._digests[row.part] = digest_of(fitting or list(self.catalogue))
+        return self._digests[row.part]
 
     def _rooms(self, row: Fastener) -> Iterator[tuple[Floats, Floats]]:
         """The boxes of what tools can meet at a fastener, on their way in too."""
@@ -216,19 +282,16 @@ def _strokes(answer: Reached, turns: float) -> tuple[tuple[str, int], ...]:
     return tuple((each.tool, strokes_for(turns, each.stroke_deg)) for each in answer.tooled)
 
 
-def _tooled(answer: Reach, name: str, because: str) -> tuple[Tooled, ...]:
-    if not answer.is_reachable:
-        return ()
-    return (Tooled(name, answer.swing_deg, answer.way, because, answer.stroke_deg or answer.swing_deg),)
+def _tooled(told: _Told, name: str, because: str) -> tuple[Tooled, ...]:
+    return (Tooled(name, told.swing_deg, told.way, because, told.stroke_deg),) if told.stroke_deg else ()
 
 
-def _in_the_way(answers: Sequence[Reach]) -> tuple[int, ...]:
+def _in_the_way(answers: Sequence[_Told]) -> tuple[int, ...]:
     """The parts in the way of tools, and of all that were tried, the worst first."""
-    counts: Counter[int] = Counter()
-    every = [*(each.blockers for each in answers), *(each.blockers for each in answers[-1].tried)]
-    for blockers in every:
-        counts.update({each.part: each.count for each in blockers})
-    return tuple(sorted(counts.keys() - {answers[0].part}, key=lambda part: (-counts[part], part)))
+    counts = answers[-1].tried.copy()
+    for each in answers:
+        counts.update(each.own)
+    return tuple(sorted(counts, key=lambda part: (-counts[part], part)))
 
 
 def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:
@@ -277,7 +340,8 @@ def _held(name: object, given: object) -> _Held:
         raise OptionError(f"tools: the option {odd[0]!r} is unknown; options are {', '.join(sorted(known))}")
     if not isinstance(options.get("lift", 0.0), (int, float)) or not math.isfinite(options.get("lift", 0.0)):
         raise OptionError("tools: lift is one number of metres, for all fasteners")
-    return _Held(str(tool.name or "tool") if name is None else str(name), tool, dict(options))
+    held = dict(options)
+    return _Held(str(tool.name or "tool") if name is None else str(name), tool, held, digest_of([tool, held]))
 
 
 def _is_pair(given: object) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,11 +15,17 @@ Bools = npt.NDArray[np.bool_]
 
 GROWN_M = 2e-6
 """What regions are grown by, metres: more than casts, and the decimals of a file, are off by."""
+SHORT_M = 1e-12
+"""Sweeps that are no longer are boxes, metres."""
 _DECIMALS = 7
 _LOOSE = 1.2
 """A box takes in others, the largest first, until it is this much larger."""
 _MOST_LOOSE = 400
 """Boxes that are joined at a time."""
+_MOST_SWEEPS = 400
+"""Sweeps that `coarse` leaves as they are."""
+_MOST_TOOLS = 16
+"""Tools of which boxes are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +55,19 @@ class Regions:
             return True
         return self.meets(*bounds) and any(self.meets(*each) for each in surface)
 
+    def near(self, bounds: Floats) -> Bools:
+        """Of boxes `(n, 2, 3)`, whether `bear` may be true, by the box around each sweep: `(n,)`."""
+        if self.is_all:
+            return np.ones(len(bounds), dtype=bool)
+        ends = self.sweeps[:, :2] + self.sweeps[:, 2:]
+        swept = np.stack([np.minimum(self.sweeps[:, 0], ends[:, 0]), np.maximum(self.sweeps[:, 1], ends[:, 1])], axis=1)
+        looked = np.concatenate([self.boxes, self.solids, swept])
+        found: Bools = np.logical_not(np.isfinite(bounds).all(axis=(1, 2)))
+        lower, upper = bounds[:, 0] - GROWN_M, bounds[:, 1] + GROWN_M
+        for low, high in looked:
+            found = found | ((lower <= high) & (upper >= low)).all(axis=1)
+        return found
+
     def meets(self, lower: Floats, upper: Floats) -> bool:
         """Whether a box `(3,)`, `(3,)` meets where they looked for surfaces. A box that is not finite does."""
         if self.is_all or not (np.isfinite(lower).all() and np.isfinite(upper).all()):
@@ -64,6 +84,19 @@ class Regions:
         first = np.where(stays, np.where(is_in, -np.inf, np.inf), ends.min(axis=0))
         last = np.where(stays, np.where(is_in, np.inf, -np.inf), ends.max(axis=0))
         return bool((np.maximum(first.max(axis=1), 0.0) <= np.minimum(last.min(axis=1), 1.0)).any())
+
+    def coarse(self) -> Regions:
+        """At most about so many sweeps: beyond, boxes that move alike are one."""
+        if len(self.sweeps) <= _MOST_SWEEPS:
+            return self
+        ways, group = np.unique(np.round(self.sweeps[:, 2], _DECIMALS), axis=0, return_inverse=True)
+        low, high = np.full((len(ways), 3), np.inf), np.full((len(ways), 3), -np.inf)
+        exact = np.empty((len(ways), 3))
+        group = group.reshape(-1)
+        np.minimum.at(low, group, self.sweeps[:, 0])
+        np.maximum.at(high, group, self.sweeps[:, 1])
+        exact[group] = self.sweeps[:, 2]
+        return replace(self, sweeps=np.stack([low, high, exact], axis=1).reshape(-1, 3, 3))
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""
@@ -90,53 +123,151 @@ class Noted:
     def __init__(self, lower: Floats, upper: Floats) -> None:
         """lower, upper: the box of the mock-up. Regions end there."""
         self.lower, self.upper = lower, upper
-        self.is_all = False
         self.is_on = True
-        self.asked: set[str] = set()
-        self._boxes, self._solids = _Boxes(), _Boxes()
-        self._sweeps: dict[bytes, list[float]] = {}
-        self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+        self._layers = [_Layer()]
+        self._leaves: dict[tuple[int, int], tuple[Any, Floats]] = {}
+
+    @property
+    def is_all(self) -> bool:
+        """Whether the whole mock-up was noted."""
+        return self._layers[-1].is_all
+
+    def boxes_of(self, tool: Any, most: int = 16) -> Floats:
+        """Boxes `(n, 2, 3)` around the triangles of a tool, at most so many, in its frame."""
+        key = (id(tool), most)
+        known = self._leaves.get(key)
+        if known is None or known[0] is not tool:
+            while len(self._leaves) >= _MOST_TOOLS:
+                del self._leaves[next(iter(self._leaves))]
+            known = self._leaves[key] = tool, leaves(np.asarray(tool.vertices)[np.asarray(tool.faces)], most)
+        return known[1]
+
+    @contextmanager
+    def apart(self) -> Iterator[Callable[[], Regions]]:
+        """Notes what follows also by itself. Gives a function that says where it looked so far."""
+        layer, was_on = _Layer(), self.is_on
+        self._layers.append(layer)
+        self.is_on = True
+        try:
+            yield layer.regions
+        finally:
+            self._layers.pop()
+            self.is_on = was_on
+            self.add(layer.regions())
 
     def all(self) -> None:
         """Notes the whole mock-up."""
-        self.is_all = self.is_all or self.is_on
+        layer = self._layers[-1]
+        layer.is_all = layer.is_all or self.is_on
+
+    def add(self, regions: Regions) -> None:
+        """Notes all of some regions."""
+        if regions.is_all:
+            return self.all()
+        layer = self._layers[-1]
+        self.ask(regions.asked)
+        if self.is_on and not layer.is_all:
+            layer.boxes.extend(regions.boxes)
+            layer.solids.extend(regions.solids)
+            for each in regions.sweeps:
+                self.sweep(each[None, :2], each[2])
+
+    def ask(self, parts: Iterable[str]) -> None:
+        """Notes parts, wherever they are."""
+        if self.is_on:
+            self._layers[-1].asked.update(parts)
 
     def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
         """Notes a box. is_solid: also what is around it."""
-        if not self.is_on or self.is_all:
+        layer = self._layers[-1]
+        if not self.is_on or layer.is_all:
             return
         low, high = np.maximum(lower, self.lower), np.minimum(upper, self.upper)
         if (low <= high).all():
-            self._boxes.add(np.stack([low, high]))
+            layer.boxes.extend([np.stack([low, high])])
             if is_solid:
-                self._solids.add(np.stack([low, high]))
+                layer.solids.extend([np.stack([low, high])])
 
-    def sweep(self, lower: Floats, upper: Floats, way: Floats) -> None:
-        """Notes a box that moves straight."""
-        length = float(np.linalg.norm(way))
-        if not self.is_on or self.is_all:
+    def sweep(self, boxes: Floats, way: Floats) -> None:
+        """Notes boxes `(n, 2, 3)` that move straight."""
+        layer = self._layers[-1]
+        if not self.is_on or layer.is_all:
             return
-        if length < 1e-12:
-            return self.box(lower, upper)
-        along, half, middle = way / length, 0.5 * (upper - lower), 0.5 * (upper + lower)
-        start = float(middle @ along)
-        across = middle - start * along
-        key = np.round(np.concatenate([half, along, across]), 8).tobytes()
+        if float(np.linalg.norm(way)) < SHORT_M:
+            for lower, upper in boxes:
+                self.box(lower, upper)
+        else:
+            layer.sweep(boxes, way)
+
+    def regions(self) -> Regions:
+        """All that was noted."""
+        return self._layers[-1].regions()
+
+
+class NotedParts(Noted):
+    """Of a scene of few parts: all its queries look at these, and at no others."""
+
+    def __init__(self, noted: Noted, parts: Iterable[str]) -> None:
+        super().__init__(noted.lower, noted.upper)
+        self._noted, self._parts = noted, frozenset(parts)
+
+    def all(self) -> None:
+        """Notes the parts."""
+        self._noted.ask(self._parts)
+
+    def box(self, lower: Floats, upper: Floats, is_solid: bool = False) -> None:
+        """Notes the parts."""
+        self.all()
+
+    def sweep(self, boxes: Floats, way: Floats) -> None:
+        """Notes the parts."""
+        self.all()
+
+    def add(self, regions: Regions) -> None:
+        """Notes the parts."""
+        self._noted.ask(regions.asked)
+        self.all()
+
+    @contextmanager
+    def apart(self) -> Iterator[Callable[[], Regions]]:
+        """As `Noted`."""
+        with self._noted.apart() as looked:
+            yield looked
+
+
+class _Layer:
+    """Regions that grow."""
+
+    def __init__(self) -> None:
+        self.is_all = False
+        self.asked: set[str] = set()
+        self.boxes, self.solids = _Boxes(), _Boxes()
+        self._sweeps: dict[bytes, list[float]] = {}
+        self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+
+    def sweep(self, boxes: Floats, way: Floats) -> None:
+        """Boxes that move straight; those of the same boxes along one line become one."""
+        length = float(np.linalg.norm(way))
+        along, half, middles = way / length, 0.5 * (boxes[:, 1] - boxes[:, 0]), 0.5 * (boxes[:, 1] + boxes[:, 0])
+        start = float(middles[0] @ along)
+        across = middles - start * along
+        key = np.round(np.concatenate([half.ravel(), along, across.ravel()]), 8).tobytes()
         self._shapes.setdefault(key, (half, along, across))
         known = self._sweeps.setdefault(key, [start, start])
         known[0], known[1] = min(known[0], start), max(known[1], start + length)
 
     def regions(self) -> Regions:
-        """All that was noted."""
-        asked = frozenset(self.asked)
+        """All of it."""
         if self.is_all:
-            return replace(Regions.everything(), asked=asked)
-        sweeps = [
-            np.stack([across + begin * along - half, across + begin * along + half, (end - begin) * along])
-            for key, (begin, end) in self._sweeps.items()
-            for half, along, across in [self._shapes[key]]
-        ]
-        return Regions(False, self._boxes.joined(), np.array(sweeps).reshape(-1, 3, 3), self._solids.joined(), asked)
+            return replace(Regions.everything(), asked=frozenset(self.asked))
+        sweeps = [np.empty((0, 3, 3))]
+        for key, (begin, end) in self._sweeps.items():
+            half, along, across = self._shapes[key]
+            middles = across + begin * along
+            ways = np.broadcast_to((end - begin) * along, half.shape)
+            sweeps.append(np.stack([middles - half, middles + half, ways], axis=1))
+        boxes, solids = self.boxes.joined().copy(), self.solids.joined().copy()
+        return Regions(False, boxes, np.concatenate(sweeps), solids, frozenset(self.asked))
 
 
 class _Boxes:
@@ -147,9 +278,9 @@ class _Boxes:
         self._kept = np.empty((0, 2, 3))
         self._most = np.empty(0)
 
-    def add(self, box: Floats) -> None:
-        """Adds a box `(2, 3)`."""
-        self._new.append(box)
+    def extend(self, boxes: Iterable[Floats]) -> None:
+        """Adds boxes, each `(2, 3)`."""
+        self._new.extend(boxes)
         if len(self._new) >= _MOST_LOOSE:
             self.joined()
 

@@ -6,18 +6,22 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 
 from feeler.arguments import check_path, check_word
 from feeler.atomic import atomic_file
-from feeler.errors import LoadError, MissingFileError
+from feeler.errors import LoadError, MissingFileError, WriteError
 from feeler.io.text import text_of
+from feeler.tasks.digests import short
 from feeler.tasks.night_rows import MaintainRow, Plan, Seeing
 from feeler.tasks.run_files import write_html, write_xlsx
 from feeler.tasks.snapshots import Changes, MaintainChange, Snapshot
 from feeler.tasks.steps import clock
+from feeler.tasks.stored_answers import ENDING, StoredAnswers
+from feeler.words import plural
 
 FAILS = ("slower", "blocked", "unreachable", "hidden", "failed")
 """What a run may be searched for."""
@@ -27,6 +31,8 @@ SAME_SIGHT = 0.02
 """And below this share."""
 FORMAT = "feeler maintain 1"
 _NAMED = 3
+_RUNS = {"version", "search"}
+"""Options that no table gives."""
 
 
 Plans = Mapping[str, tuple[Plan, list[Seeing]]]
@@ -45,8 +51,14 @@ class Maintenance(Sequence[MaintainRow]):
         snapshot: Snapshot,
         base: Maintenance | None,
         is_partial: bool,
+        answers: StoredAnswers | None = None,
+        hints: Sequence[str] = (),
     ) -> None:
         """As `maintain` makes it. Keys of plans: the paths, kept parts and people of each row."""
+        self.answers = answers
+        """What the next run need not ask again."""
+        self.hints = tuple(hints)
+        """What kept answers of the last run from being used."""
         self.names, self.own_paths, self.plans, self.kept = dict(names), dict(paths), plans, kept
         self.options, self.snapshot, self.is_partial = dict(options), snapshot, is_partial
         self.base = None if base is None else base._alone()
@@ -62,7 +74,7 @@ class Maintenance(Sequence[MaintainRow]):
         """The run without what it is compared with."""
         if self.base is None:
             return self
-        rest = (self.kept, self.options, self.snapshot, None, self.is_partial)
+        rest = (self.kept, self.options, self.snapshot, None, self.is_partial, self.answers)
         return Maintenance(self.names, self.own_paths, self.plans, *rest)
 
     def __len__(self) -> int:
@@ -88,7 +100,8 @@ class Maintenance(Sequence[MaintainRow]):
         text = f"{out:,} of {len(self):,} come out"
         if self.base is not None:
             text += f", {sum(bool(row.change) for row in self):,} changed, {kept:,} kept"
-        return text + (", interrupted" if self.is_partial else "")
+        missing = len(self.names) - len(self)
+        return text + (f", interrupted: {plural(missing, 'row')} missing" if self.is_partial else "")
 
     @property
     def by_change(self) -> list[MaintainRow]:
@@ -109,9 +122,14 @@ class Maintenance(Sequence[MaintainRow]):
         return [row for row in self if test(row)]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the run as JSON, for `previous` of the next one. Raises `WriteError`."""
+        """Writes the run as JSON, for `previous` of the next one, and its answers beside it. Raises `WriteError`."""
+        data = self.to_dict()
+        if self.answers is not None:
+            with atomic_file(_beside(path)) as file:
+                file.write(self.answers.data)
+            data["answers"] = self.answers.digest
         with atomic_file(path, ".json") as file:
-            file.write(json.dumps(self.to_dict(), allow_nan=False).encode("utf-8", errors="replace"))
+            file.write(json.dumps(data, allow_nan=False).encode("utf-8", errors="replace"))
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON: the rows, and what the next run needs."""
@@ -210,11 +228,10 @@ class Maintenance(Sequence[MaintainRow]):
         text = ", ".join(said)
         if causes:
             named = [f"{each.path.split('/')[-1]} {str(each)[len(each.path) + 1 :]}" for each in causes[:_NAMED]]
-            more = f" and {len(causes) - _NAMED} more" if len(causes) > _NAMED else ""
-            text += f" since {', '.join(named)}{more}"
-        elif self.options != self.base.options:
-            names = [name for name, value in self.options.items() if self.base.options.get(name) != value]
-            text += f" since other {' and '.join(names)} were given"
+            more = [f"{len(causes) - _NAMED} more"] if len(causes) > _NAMED else []
+            text += f" since {_listed([*named, *more, *_given(self.base.options, self.options)])}"
+        elif given := _given(self.base.options, self.options):
+            text += f" since {_listed(given)}"
         return delta, is_slower, text, causes
 
 
@@ -240,10 +257,46 @@ def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
         data = json.loads(text)
         if not isinstance(data, dict):
             raise ValueError("it is a list or a single value")
-        return Maintenance._from_dict(data)
+        run = Maintenance._from_dict(data)
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         said = f"{error} is missing" if isinstance(error, KeyError) else str(error)
-        raise LoadError(f"{file} is no run of feeler maintain: {said}; give a file that --json wrote") from None
+        raise LoadError(f"{file} is no run of feeler maintain: {said}; give a file that --save wrote") from None
+    if "answers" in data:
+        run.answers, run.hints = _answers_beside(file, str(data["answers"]), list(run.snapshot.parts))
+    return run
+
+
+def _beside(path: str | os.PathLike[str]) -> Path:
+    file = check_path("path", path, WriteError)
+    return file.with_name(file.name + ENDING)
+
+
+def _answers_beside(file: Path, digest: str, paths: Sequence[str]) -> tuple[StoredAnswers | None, tuple[str, ...]]:
+    """The answers of a run, or a hint why there are none: rows are then computed in full."""
+    beside = _beside(file)
+    try:
+        data = beside.read_bytes()
+        if short(data) != digest:
+            raise ValueError("they are damaged, or of another run")
+        return StoredAnswers(paths, data), ()
+    except OSError:
+        said = "they are missing"
+    except ValueError as error:
+        said = str(error)
+    return None, (f"The answers in {beside} are not used: {said}. Rows that changed are computed in full.",)
+
+
+def _given(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
+    """Which options are others, in words."""
+    names = [name for name, value in new.items() if old.get(name) != value]
+    said = [f"other {_listed([name for name in names if name not in _RUNS])} were given"] if set(names) - _RUNS else []
+    said += ["another version of feeler runs"] if "version" in names else []
+    said += ["the search has other limits"] if "search" in names else []
+    return said
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), *words[-1:]])
 
 
 def _differences(old: Plan, now: Plan, delta: float, before: float, sight: float) -> list[str]:

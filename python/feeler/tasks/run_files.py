@@ -23,7 +23,7 @@ body { font: 14px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 1400px;
 h1 { font-size: 1.5em; margin: 0 0 .2em; } h2 { font-size: 1.15em; margin: 2em 0 .6em; }
 table { border-collapse: collapse; width: 100%; }
 th, td { padding: .35em .6em; text-align: left; vertical-align: top; overflow-wrap: anywhere; }
-th { border-bottom: 2px solid var(--line); } td { border-bottom: 1px solid var(--soft); }
+th { border-bottom: 2px solid var(--line); white-space: nowrap; } td { border-bottom: 1px solid var(--soft); }
 .number { text-align: right; white-space: nowrap; } .small { opacity: .75; font-size: .9em; }
 tr.worse td:first-child { border-left: 4px solid #d33; } tr.better td:first-child { border-left: 4px solid #2a4; }
 tr.other td:first-child { border-left: 4px solid #38f; }

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener, Fasteners
+from feeler.plan.frames import scene_axes
 from feeler.scene import Scene
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Hold, Holds
@@ -91,6 +92,8 @@ class Snapshot:
 
     parts: Mapping[str, Seen]
     held: Mapping[str, Held]
+    axes: tuple[tuple[float, ...], ...]
+    """Those of the scene."""
 
     @classmethod
     def of(cls, scene: Scene, fasteners: Fasteners, held: Holds) -> Snapshot:
@@ -108,7 +111,7 @@ class Snapshot:
             for part in sorted(holding.keys() | rows.keys())
             if scene.part_mask[part]
         }
-        return cls(seen, known)
+        return cls(seen, known, tuple(tuple(axis.tolist()) for axis in scene_axes(scene)))
 
     @property
     def bounds(self) -> Floats:
@@ -125,6 +128,7 @@ class Snapshot:
                 for key, each in self.parts.items()
             },
             "held": {key: [each.facts, sorted(each.joins), list(each.mates)] for key, each in self.held.items()},
+            "axes": [list(axis) for axis in self.axes],
         }
 
     @classmethod
@@ -141,7 +145,8 @@ class Snapshot:
             str(key): Held(str(facts), frozenset(map(str, joins)), tuple(map(str, mates)))
             for key, (facts, joins, mates) in data["held"].items()
         }
-        return cls(parts, held)
+        axes = tuple(tuple(float(value) for value in axis) for axis in data["axes"])
+        return cls(parts, held, axes)
 
 
 class Changes(Sequence[MaintainChange]):
@@ -168,9 +173,10 @@ class Changes(Sequence[MaintainChange]):
         self._rows = tuple(rows)
         common = old.parts.keys() & new.parts.keys()
         is_mixed = [key for key in old.parts if key in common] != [key for key in new.parts if key in common]
-        (low, high), (lower, upper) = old.bounds, new.bounds
-        self.is_beyond = is_mixed or not bool((low <= lower).all() and (upper <= high).all())
-        """Whether it bears on all rows: parts come in another order, or stand out of the box that all were in."""
+        is_same_box = np.array_equal(old.bounds, new.bounds, equal_nan=True)
+        self.is_beyond = is_mixed or not is_same_box or old.axes != new.axes
+        """Whether it bears on all rows: parts come in another order, or the box of all or its axes are others, by which
+        directions are put in order."""
         self._beside = {**old.parts, **new.parts}
 
     def __len__(self) -> int:

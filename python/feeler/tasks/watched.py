@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -11,34 +11,65 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.parts import PartsLike
 from feeler.plan.removal import Removal
 from feeler.poses import one_pose
 from feeler.scene import CAST_TOLERANCE, Scene
-from feeler.tasks.regions import Noted, box_of
+from feeler.tasks.memory import Answer, Memory
+from feeler.tasks.regions import Noted, NotedParts, Regions, box_of
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 TOUCH_M = 1e-4
 NEAR_SHARE = 0.03
 """A removal looks at what is this near to the moving parts: metres, and a share of their size. It is more than it casts
 around fits and than it ignores as touching."""
+FEW_PARTS, FEW_SHARE = 8, 4
+"""Scenes with no more parts, and no more than one of so many of those that they are made of, look at these."""
 STRAIGHT = 1.0 - 1e-9
 _QUIET = "looking at what leaves together"
 """While `task` is at this stage it asks of all fasteners; `maintain` compares these answers by themselves."""
+
+
+class Recall:
+    """What one row takes from a memory, and adds to it."""
+
+    def __init__(self, memory: Memory, goes_on: Callable[[], bool]) -> None:
+        """goes_on: whether there is time left: answers that time ended are not kept."""
+        self.memory, self._goes_on = memory, goes_on
+        self.used: dict[str, None] = {}
+        """The names of the answers that it asked for, in their order."""
+        self.new: list[Answer] = []
+        """Those that were computed."""
+
+    def known(self, answer: Answer) -> None:
+        """An answer was taken."""
+        self.used[answer.name] = None
+
+    def found(self, key: str, told: Any, regions: Regions, present: Bools) -> None:
+        """An answer was computed in a scene with these parts."""
+        if self._goes_on():
+            answer = self.memory.note(key, told, regions, present)
+            self.used[answer.name] = None
+            self.new.append(answer)
 
 
 class WatchedScene(Scene):
     """A scene whose queries note where they look. Queries that it does not know note the whole mock-up."""
 
     _noted: Noted
+    _recall: Recall | None
 
     @classmethod
-    def of(cls, scene: Scene) -> WatchedScene:
-        """The same scene, watched. `noted` has what its queries look at, and those of all scenes made of it."""
+    def of(cls, scene: Scene, recall: Recall | None = None) -> WatchedScene:
+        """The same scene, watched. `noted` has what its queries look at, and those of all scenes made of it. recall:
+        where answers are remembered."""
         selected = _core.Scene._selected_without(scene, [])
         made = _core.Scene.__new__(cls, selected)
         made.build_seconds, made._given = 0.0, scene._given
         made._noted = Noted(*box_of(scene.mockup.part_bounds.reshape(-1, 2, 3)))
+        made._recall = recall
         return made
 
     @property
@@ -53,8 +84,46 @@ class WatchedScene(Scene):
     def _made_of(self, selected: _core.Selected) -> Scene:
         made = super()._made_of(selected)
         assert isinstance(made, WatchedScene)
-        made._noted = self._noted
+        made._noted, made._recall = self._noted, self._recall
         return made
+
+    def only(self, parts: PartsLike) -> Scene:
+        """As `Scene`."""
+        made = super().only(parts)
+        assert isinstance(made, WatchedScene)
+        there = np.flatnonzero(made.part_mask)
+        is_few = len(there) <= FEW_PARTS and FEW_SHARE * len(there) <= np.count_nonzero(self.part_mask)
+        if self._recall is not None and is_few:
+            made._noted = NotedParts(self._noted, self._recall.memory.paths_of(there.tolist()))
+        return made
+
+    def _recalled(
+        self,
+        kind: str,
+        own: Sequence[int],
+        facts: Any,
+        ask: Callable[[], Any],
+        is_enough: Callable[[Any], bool] = lambda _: True,
+    ) -> Any:
+        """See `Scene._recalled`."""
+        recall = self._recall
+        if recall is None:
+            return ask()
+        present = self.part_mask
+        key = recall.memory.key(kind, own, facts)
+        for answer in recall.memory.find(key, present):
+            try:
+                told = recall.memory.told(answer.data)
+            except (KeyError, TypeError):
+                continue
+            if is_enough(told):
+                recall.known(answer)
+                self._noted.add(answer.regions)
+                return told
+        with self._noted.apart() as looked:
+            told = ask()
+            recall.found(key, told, looked(), present)
+        return told
 
     def _note(self, tool: _core.Tool, pose: Any, grown: float = 0.0, is_solid: bool = False) -> None:
         if math.isfinite(grown):
@@ -67,7 +136,13 @@ class WatchedScene(Scene):
         """The motion between two poses, as `cast` defines it."""
         lower, upper = _placed(tool, start)
         if np.array_equal(start[:3, :3], end[:3, :3]):
-            self._noted.sweep(lower - grown, upper + grown, end[:3, 3] - start[:3, 3])
+            boxes = self._noted.boxes_of(tool)
+            if np.array_equal(start[:3, :3], np.eye(3)):
+                boxes = boxes + start[:3, 3]
+            else:
+                corners = _corners_of(boxes) @ start[:3, :3].T + start[:3, 3]
+                boxes = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+            self._noted.sweep(boxes + grown * np.array([[-1.0], [1.0]]), end[:3, 3] - start[:3, 3])
             return
         other = _placed(tool, end)
         # Its middle goes straight, and corners turn about it: by half an angle they are farthest from both boxes.
@@ -78,13 +153,14 @@ class WatchedScene(Scene):
     def _note_screw(self, tool: _core.Tool, start: Floats, screw: _core.Screw) -> None:
         """All turns about the axis."""
         axis, point = np.array(screw.axis), np.array(screw.point)
-        corners = _corners(tool, start) - point
-        heights = corners @ axis
-        radius = float(np.linalg.norm(corners - heights[:, None] * axis, axis=1).max(initial=0.0))
-        ends = np.array([heights.min(), heights.max(), *(heights + screw.advance)])
-        middle = point + 0.5 * (ends.min() + ends.max()) * axis
-        half = 0.5 * (ends.max() - ends.min()) * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis * axis))
-        self._noted.box(middle - half, middle + half)
+        # What is near to the axis, such as a socket, sweeps little; what is far, such as a handle, at its height alone.
+        for corners in _corners_of(self._noted.boxes_of(tool, 4)) @ start[:3, :3].T + start[:3, 3] - point:
+            heights = corners @ axis
+            radius = float(np.linalg.norm(corners - heights[:, None] * axis, axis=1).max(initial=0.0))
+            ends = np.array([heights.min(), heights.max(), *(heights + screw.advance)])
+            middle = point + 0.5 * (ends.min() + ends.max()) * axis
+            half = 0.5 * (ends.max() - ends.min()) * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis * axis))
+            self._noted.box(middle - half, middle + half)
 
     def _saw_removal(self, tool: _core.Tool, directions: Floats, found: Removal) -> None:
         """See `Scene._saw_removal`: a straight way along a given direction looked at its sweep alone; other answers, at
@@ -239,6 +315,11 @@ class WatchedScene(Scene):
         """As `Scene`."""
         self._noted.all()
         return super().distance_batch(*args, **options)
+
+
+def _corners_of(boxes: Floats) -> Floats:
+    """The corners of boxes `(n, 2, 3)`: `(n, 8, 3)`."""
+    return np.stack([boxes[:, [i, j, k], [0, 1, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)], axis=1)
 
 
 def _corners(tool: _core.Tool, pose: Floats) -> Floats:

@@ -1,0 +1,213 @@
+"""Answers that nightly runs remember: recalled where all is as it was, and in files that may be damaged."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from night_edits import assembly, edits
+from night_scene import covers, driver, lid, parts, scene_of
+from test_maintain import facts
+
+import feeler
+from feeler.tasks import reached
+from feeler.tasks.memory import Memory, carried
+from feeler.tasks.regions import Noted
+from feeler.tasks.snapshots import Changes, Snapshot, keys_of
+from feeler.tasks.stored_answers import StoredAnswers
+from feeler.tasks.watched import Recall, WatchedScene
+
+ROWS = ["s0/cover", "s1/cover", "s1/bolt", "s0/case"]
+
+
+def planned(scene: feeler.Scene, previous: Any = None, **options: Any) -> feeler.Maintenance:
+    return feeler.maintain(scene, ROWS, **{"tools": driver(), "threads": 1, **options}, previous=previous)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 3])
+def test_rows_are_those_of_a_full_run_after_random_edits(seed: int, tmp_path: Path) -> None:
+    """Parts move a little or far, go, come, and block or open ways; each run is the previous one of the next."""
+    rng = np.random.default_rng(seed)
+    meshes = assembly(rng)
+    tools: dict[str, Any] = {"tools": driver() if seed else None}
+    run = planned(scene_of(meshes), **tools)
+    for n, (_, edited) in zip(range(2), edits(rng, meshes), strict=False):
+        run.save(tmp_path / "last.json")
+        scene, times = scene_of(edited), {"take": 8.0 + n}
+        run = planned(scene, tmp_path / "last.json", times=times, **tools)
+        assert not run.hints and facts(run) == facts(planned(scene, times=times, **tools))
+
+
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The fasteners of which `access` is asked from now on."""
+    found: list[str] = []
+    access = reached.access
+
+    def counted(scene: feeler.Scene, tool: Any, rows: feeler.Fasteners, **options: Any) -> Any:
+        found.append(rows[0].path)
+        return access(scene, tool, rows, **options)
+
+    monkeypatch.setattr(reached, "access", counted)
+    return found
+
+
+def test_only_what_looked_at_a_change_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One row takes out all covers: a lid that comes over one bolt bears on the questions of that bolt alone."""
+    rows = [{"part": tuple(covers())}]
+    base = feeler.maintain(scene_of(parts()), rows, tools=driver())
+    meshes = parts()
+    meshes["s2/lid"] = lid(2.0)
+    full = feeler.maintain(scene_of(meshes), rows, tools=driver())
+    found = asked(monkeypatch)
+    run = feeler.maintain(scene_of(meshes), rows, tools=driver(), previous=base)
+    assert facts(run) == facts(full) and not run[0].is_kept and run[0].delta == 10.0
+    assert found and set(found) == {"s2/bolt"}
+
+
+def test_other_times_and_tools_ask_what_they_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    base = planned(scene_of(parts(2)))
+    found = asked(monkeypatch)
+    run = planned(scene_of(parts(2)), base, times={"take": 60.0})
+    assert not found and all(row.delta > 50.0 for row in run[:2]) and not any(row.is_kept for row in run)
+    other = feeler.Tool(driver().vertices * [1.0, 1.0, 1.1], driver().faces, name="driver")
+    planned(scene_of(parts(2)), base, tools=other)
+    assert set(found) == {"s0/bolt", "s1/bolt"}
+
+
+def test_damaged_answers_are_a_hint_and_no_wrong_row(tmp_path: Path) -> None:
+    meshes = parts(1)
+    last, beside = tmp_path / "last.json", tmp_path / "last.json.answers"
+    feeler.maintain(scene_of(meshes), covers(1)).save(last)
+    meshes["s0/lid"] = lid(0.0)
+    scene = scene_of(meshes)
+    full, data = feeler.maintain(scene, covers(1)), beside.read_bytes()
+    for bad, said in (
+        (data[:-9], "damaged, or of another run"),
+        (data[:200] + b"x" + data[201:], "damaged, or of another run"),
+        (b"", "damaged, or of another run"),
+        (None, "missing"),
+    ):
+        beside.unlink() if bad is None else beside.write_bytes(bad)
+        run = feeler.maintain(scene, covers(1), previous=last)
+        assert facts(run) == facts(full) and said in run.hints[0] and str(beside) in run.hints[0]
+    # Of another version, or not what it says.
+    text = json.loads(last.read_text())
+    for bad, said in ((b"feeler answers 0 of 0\n", "another version"), (b"{}", "no answers"), (data[:60], "cut off")):
+        beside.write_bytes(bad)
+        last.write_text(json.dumps({**text, "answers": digest(bad)}))
+        run = feeler.maintain(scene, covers(1), previous=last)
+        assert facts(run) == facts(full) and said in run.hints[0]
+    beside.write_bytes(data)
+    last.write_text(json.dumps(text))
+    assert not feeler.maintain(scene, covers(1), previous=last).hints
+
+
+def digest(data: bytes) -> str:
+    from feeler.tasks.digests import short
+
+    return short(data)
+
+
+def known() -> tuple[feeler.Scene, Snapshot, Memory]:
+    scene = scene_of(parts(2))
+    fasteners = feeler.find_fasteners(scene)
+    snapshot = Snapshot.of(scene, fasteners, feeler.holds(scene, fasteners))
+    return scene, snapshot, Memory(keys_of(scene.mockup), snapshot)
+
+
+def test_an_answer_holds_among_the_same_parts_where_it_looked() -> None:
+    scene, snapshot, memory = known()
+    watched = WatchedScene.of(scene, Recall(memory, lambda: True))
+    asks: list[int] = []
+
+    def ask(there: feeler.Scene) -> Any:
+        def cast() -> list[Any]:
+            asks.append(1)
+            hit = there.cast(driver(), place(0.0, 0.3), place(0.0, -0.2))
+            return [None if hit is None else feeler.scene.PartNumber(hit.part)]
+
+        return there._recalled("cast", [], ["driver"], cast)[0]
+
+    bolt, cover = (scene.mockup.part_paths.index(path) for path in ("s0/bolt", "s0/cover"))
+    assert ask(watched) == bolt and ask(watched) == bolt and len(asks) == 1
+    assert ask(watched.without(["s1/bolt"])) == bolt and len(asks) == 1  # it did not look there
+    assert ask(watched.without(["s0/bolt"])) == cover or len(asks) == 2
+    assert ask(watched) == bolt and len(asks) == 2
+    # In a later run.
+    meshes = parts(2)
+    for path, is_known in (("s1/lid", True), ("s0/bolt", False), ("s0/lid", False)):
+        by = [0.0, 0.0, 1e-4] if "bolt" in path else [-0.5, 0.0, 0.05]
+        moved = {**meshes, path: (meshes[path][0] + by, meshes[path][1])}
+        later = scene_of(moved)
+        fasteners = feeler.find_fasteners(later)
+        new = Snapshot.of(later, fasteners, feeler.holds(later, fasteners))
+        left = list(carried(memory, snapshot, new, Changes(snapshot, new)))
+        again = Memory(keys_of(later.mockup), new)
+        again.take(left)
+        asks.clear()
+        ask(WatchedScene.of(later, Recall(again, lambda: True)))
+        assert (not asks) == is_known, path
+
+
+def place(x: float, z: float) -> np.ndarray[Any, Any]:
+    pose = np.eye(4)
+    pose[:3, 3] = x, 0.0, z
+    return pose
+
+
+def test_answers_that_time_ended_are_not_kept() -> None:
+    scene, _, memory = known()
+    recall = Recall(memory, lambda: False)
+    WatchedScene.of(scene, recall)._recalled("one", [0], [1.5], lambda: ["x"])
+    assert not recall.new and not list(memory)
+
+
+def test_answers_go_through_bytes() -> None:
+    scene, snapshot, memory = known()
+    recall = Recall(memory, lambda: True)
+    watched = WatchedScene.of(scene, recall)
+    watched._recalled("one", [0], [1.5], lambda: [watched.rays([[0, 0, 1.0]], [[0, 0, -1.0]]).distances, float("nan")])
+    stored = StoredAnswers.of(list(snapshot.parts), memory, {"row": list(recall.used)})
+    answers, rows = StoredAnswers(list(snapshot.parts), stored.data).read()
+    assert len(answers) == 1 and rows == {"row": (answers[0].name,)}
+    assert answers[0].met == recall.new[0].met and repr(answers[0].data) == repr(recall.new[0].data)
+    assert StoredAnswers.of(list(snapshot.parts), memory, {}).read() == ([], {})
+
+
+def test_scenes_of_few_parts_look_at_these_alone() -> None:
+    scene, _, memory = known()
+    watched = WatchedScene.of(scene, Recall(memory, lambda: True))
+    watched.only(["s0/case"]).depth(driver(), place(0.0, -0.02))
+    looked = watched.noted.regions()
+    assert looked.asked == {"s0/case"} and not len(looked.boxes) and not len(looked.solids)
+    with watched.noted.apart() as apart:
+        watched.only(["s1/case"]).rays([[1.0, 0, 1.0]], [[0, 0, -1.0]])
+        assert apart().asked == {"s1/case"}
+    assert watched.noted.regions().asked == {"s0/case", "s1/case"}
+
+
+def test_boxes_that_a_part_sweeps_are_those_around_its_triangles() -> None:
+    """Not what is inside a ring."""
+    scene, _, memory = known()
+    watched = WatchedScene.of(scene, Recall(memory, lambda: True))
+    rest = watched.without(["s0/cover", "s0/bolt"])
+    cover = feeler.Tool.of_parts(scene.mockup, ["s0/cover"])
+    assert rest.cast(cover, place(0.0, 0.0), place(0.0, 0.5), touching="free") is None
+    looked = watched.noted.regions()
+    assert looked.meets(np.array([0.01, -0.001, 0.3]), np.array([0.011, 0.001, 0.31]))
+    assert not looked.meets(np.array([-0.001, -0.001, 0.3]), np.array([0.001, 0.001, 0.31]))
+    assert isinstance(watched.noted, Noted)
+
+
+def test_sentences_name_parts_and_tables() -> None:
+    base = feeler.maintain(scene_of(parts(1)), ["s0/cover"], tools=driver())
+    meshes = parts(1)
+    meshes["s0/lid"] = lid(0.0)
+    both = feeler.maintain(scene_of(meshes), ["s0/cover"], tools=driver(), times={"take": 60.0}, previous=base)
+    assert both[0].change == "+1 min 58 s since lid moved and other times were given"
+    base.options["version"] = "1 of 0.0"
+    other = feeler.maintain(scene_of(meshes), ["s0/cover"], tools=driver(), seed=3, previous=base)
+    assert other[0].change == "+10 s since lid moved, another version of feeler runs and the search has other limits"
