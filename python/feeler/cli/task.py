@@ -59,7 +59,7 @@ def task(
         typer.Option(
             metavar="PATTERN",
             help="The parts to take out: a path with all below it, a name, or a pattern such as '*pump*'. All matches "
-            "come out together, with what is fastened to them alone.",
+            "come out together, with fasteners that join them alone.",
         ),
     ] = None,
     tool: Annotated[

@@ -26,13 +26,11 @@ Floats = npt.NDArray[np.float64]
 STRAIGHT_ROUNDS = 2
 """Rounds of the search for the way of a part whose direction is known."""
 BENT_ROUNDS = 8
-"""Rounds for a part that no straight motion takes out."""
+"""Rounds for a part that no straight motion takes out, and before it is said that others have to go for one."""
 SHORTER_M = 1e-3
 """Ways that are shorter by less are not."""
 PLAY_SHARE = 0.02
 """How far a part can be moved at least before it is searched for a bent way, in sizes of it."""
-ASKED_ROUNDS = 2
-"""Rounds before it is said that other parts have to go for one."""
 
 
 @dataclass(frozen=True, eq=False)  # it holds arrays
@@ -151,7 +149,7 @@ class Leading:
                 return each
         return motion
 
-    def search(self, item: int, out: frozenset[int], rounds: int) -> bool:
+    def search(self, item: int, out: frozenset[int]) -> bool:
         """Whether a way is found while items are out, by pushes and random trees too; the graph then knows it, with
         those of the items that it collides with. It is searched once for each set."""
         actions, question = self.actions, self.question
@@ -162,13 +160,13 @@ class Leading:
             return False
         self.clock.tell(f"searching a way of {self._mockup.part_names[parts[0]]}")
         if item not in actions.rings:
-            asked = WayAsked(parts, gone, None, rounds, int(self.question.options["seed"]))
+            asked = WayAsked(parts, gone, None, BENT_ROUNDS, int(self.question.options["seed"]))
             led, needed = self._led(asked), frozenset[int]()
         else:
             led, needed = Led(False, np.eye(4)[None], ""), frozenset[int]()
             for way in actions.rings.ways(item):
                 if way.blockers <= out:
-                    led, needed = self._of_ring(way, parts, gone, rounds, False), way.blockers
+                    led, needed = self._of_ring(way, parts, gone, BENT_ROUNDS, False), way.blockers
                     if led.is_found:
                         break
         if self.clock.goes_on():

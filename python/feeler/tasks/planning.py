@@ -28,7 +28,7 @@ from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
-from feeler.tasks.leading import ASKED_ROUNDS, BENT_ROUNDS, Leading, Led
+from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
 from feeler.tasks.reached import Tooled
 from feeler.tasks.replanning import Found as Known
@@ -70,7 +70,7 @@ def task(
     axis, and parts can be taken out that nothing holds any more and that have a way out (`removal`). What stands in the
     way goes first; nothing else is touched.
 
-    - `parts`: as `Parts.select` takes them; they come out together, with what is fastened to them alone. Wanted
+    - `parts`: as `Parts.select` takes them; they come out together, with fasteners that join them alone. Wanted
       fasteners that hold them to others are undone before.
     - `tools`: a `Catalogue`, its TOML file, or "built-in"; or a `Tool` as `access` takes it, a list of them, or a dict
       of names; each may be a pair of the tool and a dict of options of `access`, such as `{"grip": "y"}`. None: their
@@ -364,7 +364,7 @@ class _Planner:
             if item == TARGET and not question.wanted:
                 continue
             gone = graph.most_gone() | graph.holding(item) - {item}
-            if self.leading.search(item, gone - {TARGET}, BENT_ROUNDS):
+            if self.leading.search(item, gone - {TARGET}):
                 return True
         return False
 
@@ -380,7 +380,7 @@ class _Planner:
             for item in step.unit.items if extra else ():
                 if actions.is_turned(item) or not self.leading.has_play(item, out - extra):
                     continue
-                if self.leading.search(item, out - extra, ASKED_ROUNDS):
+                if self.leading.search(item, out - extra):
                     return True
             out |= set(step.unit.items)
         return False
