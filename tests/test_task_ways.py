@@ -159,6 +159,25 @@ def test_a_part_that_goes_up_and_then_sideways_needs_no_others_out() -> None:
     assert kept.is_found and len(kept.steps) == 1
 
 
+def test_a_hood_under_a_rail_needs_a_search_as_long_as_without_others() -> None:
+    """It goes up until it clears the head of a bolt, and sideways below the rail."""
+    mesh = hardware.hex_bolt(0.008, 0.02, USUAL)
+    walls = [box((x, -0.015, 0.0002), (x + 0.003, 0.015, 0.012)) for x in (-0.015, 0.012)]
+    walls += [box((-0.015, y, 0.0002), (0.015, y + 0.003, 0.012)) for y in (-0.015, 0.012)]
+    legs = [box((-0.02, y, 0.0), (0.02, y + 0.01, 0.048)) for y in (-0.06, 0.05)]
+    parts = {
+        "bolt": (mesh.vertices, mesh.faces.astype(np.int64)),
+        "cover": ring(0.0045, -0.01, 0.0),
+        "case": ring(0.0034, -0.04, -0.01005),
+        "hood": joined(*walls, box((-0.015, -0.015, 0.012), (0.015, 0.015, 0.015))),
+        "rail": joined(*legs, box((-0.02, -0.06, 0.048), (0.02, 0.06, 0.054))),
+    }
+    for turn in (None, turn_of(3)):
+        task = feeler.task(scene_of(parts, turn), "cover")
+        assert [step.paths for step in task.steps] == [("hood",), ("bolt",), ("cover",)]
+        assert feeler.task(scene_of(parts, turn), "cover", keep="rail").seconds == pytest.approx(task.seconds)
+
+
 def test_a_free_cover_is_lifted_not_slid() -> None:
     parts = {
         "cover": box((-0.05, -0.04, 1e-5), (0.05, 0.04, 0.01)),
