@@ -14,6 +14,8 @@ Ints = npt.NDArray[np.int64]
 
 CLEAR_M = 2e-6
 """How far the facets of a pin are kept off those of its hole: more than what counts as touching."""
+_WIDER = 2.05
+"""A facet that is wider than all narrower ones by this factor is not one of theirs: the flat of a D-shaft."""
 _STEP = 0.88
 """The widest facet, radians: prisms of eight sides are round, those of seven have edges that stop them."""
 _ARC = 1.5
@@ -85,7 +87,8 @@ def rounds_of(
     low_bearing = bearing[faces[:, 0]] + turned.min(axis=1)
     order = np.lexsort((mean, is_hole))
     found = []
-    for group in _same_radii(order, mean, is_hole):
+    groups = (group for same in _same_radii(order, mean, is_hole) for group in _same_widths(same, span))
+    for group in groups:
         if _longest_arc(low_bearing[group], span[group]) < _ARC:
             continue
         if len(np.unique(np.round(low_bearing[group], 4))) < _FEWEST:
@@ -112,6 +115,13 @@ def _same_radii(order: Ints, mean: Floats, is_hole: npt.NDArray[np.bool_]) -> It
             end = int(np.searchsorted(radii, radii[start] * (1.0 + _SAME) + 1e-9, "right"))
             yield side[start:end]
             start = end
+
+
+def _same_widths(facets: Ints, span: Floats) -> list[Ints]:
+    """Facets of one radius by their width: those of a cylinder are alike, also where files make them uneven."""
+    order = facets[np.argsort(span[facets], kind="stable")]
+    widths = span[order]
+    return np.split(order, np.flatnonzero(widths[1:] > _WIDER * widths[:-1]) + 1)
 
 
 def _longest_arc(begin: Floats, span: Floats) -> float:
