@@ -29,8 +29,8 @@ MOST_M = 1.0
 """The largest probe, metres: openings beyond it are endless."""
 TURNS = 36
 """Turns of a box that are tried first."""
-FINEST_TURN_DEG = 0.05
-"""The turn of the best box is sought to this."""
+FINE = 0.25
+"""The share of the error to which sizes of boxes at different turns are known, and that the turn may cost."""
 CENTRING = 8
 """Directions across the axis in which a wider place is sought."""
 SHAPES = ("ball", "cylinder", "box")
@@ -201,7 +201,9 @@ class _Passage:
         known = ball / math.hypot(1.0, aspect)
 
         def largest(angle: float, least: float) -> tuple[float, int | None]:
-            return self._largest(lambda width: self._stopped(width * corners, _SQUARE, angle), least)
+            return self._largest(
+                lambda width: self._stopped(width * corners, _SQUARE, angle), least, FINE * self._error
+            )
 
         if side is not None:
             start = math.degrees(math.atan2(side @ np.cross(self._along, self.first_side), side @ self.first_side))
@@ -212,7 +214,7 @@ class _Passage:
         best, turn = known, 0.0
         by: int | None = None
         turns = [step * k for k in range(TURNS)]
-        while step > FINEST_TURN_DEG and best < math.inf:
+        while best < math.inf and math.radians(step) * best * math.hypot(1.0, aspect) > FINE * self._error:
             for angle in turns:
                 size, part = largest(angle, best)
                 if size > best or by is None:
@@ -221,17 +223,20 @@ class _Passage:
             turns = [turn - step, turn + step]
         return best, turn, by
 
-    def _largest(self, stopped: Callable[[float], int | None], known: float) -> tuple[float, int | None]:
+    def _largest(
+        self, stopped: Callable[[float], int | None], known: float, error: float | None = None
+    ) -> tuple[float, int | None]:
         """The largest size that nothing stops, at least `known`, and what stops one that is larger by the error."""
+        error = self._error if error is None else error
         if self._inside is not None or known >= self._most:
             return (0.0, self._inside) if self._inside is not None else (math.inf, None)
-        low, step = known, self._error
+        low, step = known, error
         while (part := stopped(min(low + step, self._most))) is None:
             if low + step >= self._most:
                 return math.inf, None
             low, step = low + step, 2.0 * step
         high = min(low + step, self._most)
-        while high - low > self._error:
+        while high - low > error:
             middle = 0.5 * (low + high)
             met = stopped(middle)
             low, high, part = (middle, high, part) if met is None else (low, middle, met)
