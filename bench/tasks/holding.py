@@ -74,13 +74,18 @@ def score(name: str, triangles: int) -> Score:
     rows = feeler.holds(feeler.Scene(mockup, threads=1))
     seconds = time.perf_counter() - begin
     # A washer comes loose with its fastener, and is held where nothing else is.
-    found = {row.fastener: set(row.parts) or set(row.washers) for row in rows}
+    found = {row.fastener: _held(row) for row in rows}
     right = wrong = pairs = 0
     for part, held in want.items():
         if part not in unclear:
             said = found.get(part, set())
             right, wrong, pairs = right + len(held & said), wrong + len(said - held), pairs + len(held)
     return Score(name, triangles, len(want), len(unclear), pairs, right, wrong, seconds)
+
+
+def _held(row: feeler.Hold) -> set[int]:
+    """What a fastener holds; its washers where it holds nothing else."""
+    return (set(row.parts) - ({row.fastener} if row.washers else set())) or set(row.washers)
 
 
 def table(rows: list[Score]) -> str:

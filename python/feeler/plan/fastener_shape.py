@@ -79,6 +79,8 @@ STUD_SLENDER = 3.0
 """The least length of a stud, in diameters."""
 THREAD_TO_FLATS = (0.3, 0.88)
 """Thread diameter, relative to the width across flats: 0.5 to 0.67 in the standards, up to 0.8 for flanged heads."""
+STEPPED = 1.1
+"""A bore that is wider than another by this factor makes a step."""
 BORE_TO_FLATS = (0.3, 0.68)
 """A nut's bore, relative to its width across flats: at most 0.67 in the standards."""
 BORE_TO_12_POINT = 0.86
@@ -559,6 +561,11 @@ def _nut(view: _View) -> _Found | None:
         return None
     body, bore = max(prisms, key=lambda b: (b.sides > 4, b.radius)), min(bores, key=lambda b: b.radius)
     full = view.high - view.low
+    wider = [b for b in bores if b.radius > STEPPED * bore.radius and b.height > 0.1 * full]
+    is_wide_above = any(b.low > bore.low and b.high > view.high - 0.1 * full for b in wider)
+    is_wide_below = any(b.high < bore.high and b.low < view.low + 0.1 * full for b in wider)
+    if is_wide_above and not is_wide_below:
+        return None  # a union nut or a counterbore: its wide end is on the joint's side
     # The bore of a domed nut enters from below. Chamfers leave as much at both ends.
     is_blind = view.high - bore.high > max(bore.low - view.low, 0.0) + 0.1 * full
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
@@ -578,7 +585,7 @@ def _nut(view: _View) -> _Found | None:
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
-    is_two_sided = below < 1.1 * above and not is_blind
+    is_two_sided = below < 1.1 * above and not is_blind and is_wide_above == is_wide_below
     if max(above, below) > WIDEST_FLANGE * body.radius:
         return None  # a plate that a nut is welded to
     if above > 1.1 * below:

@@ -17,7 +17,7 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.tasks.passing import Passed, borne, in_bore, passed_by, surrounding, under
+from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.threads import thread_size
 
@@ -226,7 +226,7 @@ class _Holding:
     """Looks at all fasteners of a scene."""
 
     def __init__(self, scene: Scene, rows: list[Fastener], retainers: list[Retained]) -> None:
-        self.mockup, self.fasteners = scene.mockup, rows
+        self.scene, self.mockup, self.fasteners = scene, scene.mockup, rows
         circlips = [each for each in retainers if each.kind == "circlip"]
         self.circlip_on = {each.anchor: each.part for each in circlips if each.anchor is not None}
         mask = scene.part_mask.copy()
@@ -368,7 +368,7 @@ class _Holding:
         """A nut without a shank of its own: on a pipe, or on the thread of a part."""
         inside = in_bore(self.bare, nut)
         threads = [each for each in inside if each.radius >= THREADED * 0.5 * nut.size]
-        anchor = min(threads, key=lambda each: each.bottom, default=None)
+        anchor = min(threads, key=lambda each: (self._play(nut, each), each.bottom), default=None)
         held = [each for each in inside if each.part != _part(anchor)]
         if not held:
             below = [part for part in under(self.bare, nut, 0.1 * nut.size) if part != _part(anchor)]
@@ -376,6 +376,16 @@ class _Holding:
         held, washers = self._without_washers(nut, held)
         said = "nothing is in its bore" if anchor is None else f"its thread is on {self._name(anchor.part)}"
         return self._held(nut, held, washers, _part(anchor), (), said)
+
+    def _play(self, nut: Fastener, inside: Passed) -> float:
+        """How much wider the bore of a nut is than a part in it, as a share, to a thousandth: its thread is tight."""
+        ring = around(nut.frame)
+        origin = nut.frame[:3, 3] + 0.5 * (inside.top + inside.bottom) * nut.axis
+        alone = self.scene.only([nut.part])
+        hits = alone.rays(np.broadcast_to(origin, ring.shape), ring, within=float(self.sizes[nut.part].max()))
+        met = np.asarray(hits.distances)[np.asarray(hits.triangles) >= 0]
+        wide = float(np.median(met)) if len(met) else np.inf
+        return round(wide / inside.radius - 1.0, 3) if inside.radius > 0.0 and np.isfinite(wide) else np.inf
 
     def _held(
         self,
@@ -387,9 +397,9 @@ class _Holding:
         said: str,
     ) -> Hold:
         parts = list(dict.fromkeys(each.part for each in passed))
-        if not parts and not washers and anchor is not None and not mates:
-            because = f"{said}; it holds nothing but itself"
-            return _row(self.mockup, row.part, row.kind, (row.part,), (), anchor, (), because)
+        if not parts and anchor is not None and not mates:
+            because = f"{said}; it holds nothing but {'its washers' if washers else 'itself'}"
+            return _row(self.mockup, row.part, row.kind, (row.part,), tuple(washers), anchor, (), because)
         more = clasped(self.bare, parts, {row.part, *mates, *washers, *([] if anchor is None else [anchor])})
         because = f"{said}; what its clamps touch comes loose too" if more else said
         return _row(self.mockup, row.part, row.kind, (*parts, *more), tuple(washers), anchor, mates, because)

@@ -104,6 +104,11 @@ def _ring(count: int = _AROUND) -> Floats:
     return np.stack([np.cos(turn), np.sin(turn), np.zeros(count)], axis=1)
 
 
+def around(frame: Floats) -> Floats:
+    """Directions (n, 3) around the axis of a frame."""
+    return np.asarray(_ring() @ frame[:3, :3].T)
+
+
 def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
     return np.asarray(hits.parts, dtype=np.int64).reshape(shape).copy(), np.asarray(hits.distances).reshape(shape)
 

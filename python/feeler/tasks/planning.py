@@ -189,6 +189,8 @@ def _question(
 ) -> Together:
     """What leaves with what. Wanted fasteners are undone, unless they join wanted parts to each other; studs in other
     parts stay there."""
+    under = {washer: part for part in fixings if scene.part_mask[part] for washer in fixings.washers(part)}
+    wanted = tuple(dict.fromkeys(under.get(part, part) for part in wanted))  # washers come off with what clamps them
     own = {part for part in wanted if part not in fixings and fixings.studs.get(part, part) in (part, *wanted)}
     inner = {part for part in fixings if set(fixings.joins(part)) <= own and fixings.joins(part)}
     undone = tuple(part for part in wanted if part in fixings and part not in inner)
