@@ -286,6 +286,9 @@ def test_names_are_a_second_voice() -> None:
         ("washer, for bolt M8", "other"),
         ("bolt socket", "other"),
         ("donut", None),
+        ("Flügelmutter M8", "nut"),
+        ("Nutmutter KM4", "nut"),
+        ("Verschlussschraube", "screw"),
         ("part 933", None),
         ("", None),
     ],
@@ -402,3 +405,17 @@ def test_what_is_found_is_a_sequence(gearbox: Any) -> None:
 def test_bad_input(ask: Callable[[], object], error: type[Exception], says: str) -> None:
     with pytest.raises(error, match=says):
         ask()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_wing_nut_with_thick_wings_in_any_pose(seed: int) -> None:
+    """Each tip has two corners as far out as the other's: neither says where the wings are."""
+    hub = hardware.ring(0.004, 0.006, 0.008, Tolerance(2e-5))
+    wings = [box((x, -0.0015, 0.003), (x + 0.0105, 0.0015, 0.016)) for x in (-0.016, 0.0055)]
+    corners, faces = joined((hub.vertices, hub.faces), *wings)
+    turn = tilted(seed)
+    mockup = mockup_of(
+        {"part": (corners @ turn[:3, :3].T + turn[:3, 3], np.asarray(faces)), "lump": cube((1, 1, 1), 0.1)}
+    )
+    (row,) = feeler.find_fasteners(mockup)
+    assert row.kind == "nut" and row.drive == "wings" and float(row.axis @ turn[:3, 2]) > 0.999

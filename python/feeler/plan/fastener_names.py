@@ -15,10 +15,13 @@ PIPES = (
 KINDS = {
     "bolt": "bolt bolts hexbolt setbolt bolzen sechskantschraube perno tornillo boulon bullone",
     "screw": "screw screws capscrew setscrew grubscrew machinescrew schraube zylinderschraube vis vite shcs",
-    "nut": "nut nuts hexnut locknut mutter sechskantmutter ecrou tuerca dado",
+    "nut": "nut nuts hexnut locknut wingnut jamnut capnut unionnut mutter sechskantmutter ecrou tuerca dado",
     "stud": "stud studs stiftschraube gewindestange goujon",
 }
 """Words, in lower case, by kind of fastener."""
+
+ENDINGS = {"mutter": "nut", "muttern": "nut", "schraube": "screw", "schrauben": "screw"}
+"""How words end that are two in one, such as "Flügelmutter"."""
 
 STANDARDS = {
     "bolt": "931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
@@ -149,4 +152,6 @@ def _said(phrase: str) -> str | None:
             said = "other"
         elif word in _SUPPORTING:
             said = "plug"
+        else:
+            said = next((kind for ending, kind in ENDINGS.items() if word.endswith(ending)), said)
     return said

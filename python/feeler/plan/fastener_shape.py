@@ -392,12 +392,14 @@ def _body(
 def _wings(across: Floats, r: Floats) -> tuple[float, float] | None:
     """Radius of the hub, and of its two wings; None without wings."""
     reach = float(r.max())
-    tip = across[int(np.argmax(r))] / reach
+    far = across[r > 0.85 * reach]
+    turn = 0.5 * np.angle(np.sum((far[:, 0] + 1j * far[:, 1]) ** 2))  # the middle of both wings, not a corner of one
+    tip = np.array([np.cos(turn), np.sin(turn)])
     along, beside = np.abs(across @ tip), np.abs(across @ np.array([-tip[1], tip[0]]))
     thick = float(beside[r > 0.85 * reach].max())
     sides = across @ tip
     hub = float(beside.max())
-    if not (hub < 0.62 * reach and thick < 0.5 * hub and float(sides.min()) < -0.95 * reach):
+    if not (hub < 0.62 * reach and thick < 0.3 * hub and float(sides.min()) < -0.95 * reach):
         return None
     wing = along > 1.1 * hub
     return (hub, reach) if float(beside[wing].max()) < 0.6 * hub else None
