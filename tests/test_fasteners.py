@@ -411,7 +411,7 @@ def test_bad_input(ask: Callable[[], object], error: type[Exception], says: str)
 def test_a_wing_nut_with_thick_wings_in_any_pose(seed: int) -> None:
     """Each tip has two corners as far out as the other's: neither says where the wings are."""
     hub = hardware.ring(0.004, 0.006, 0.008, Tolerance(2e-5))
-    wings = [box((x, -0.0017, 0.003), (x + 0.0105, 0.0017, 0.016)) for x in (-0.016, 0.0055)]
+    wings = [box((x, -0.0016, 0.003), (x + 0.0105, 0.0016, 0.016)) for x in (-0.016, 0.0055)]
     corners, faces = joined((hub.vertices, hub.faces), *wings)
     turn = tilted(seed)
     mockup = mockup_of(
