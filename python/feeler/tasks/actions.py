@@ -115,12 +115,13 @@ class Actions:
         self.ahead = ahead
         self.graph = _Graph(question, clock, fixings)
         self.rings = self.graph.rings
-        self.get_seconds = times.elements["get"].mean
+        self.get_seconds = times.elements["get"].mean if reaching.is_checked else 0.0
         by_hand = min(times.elements[name].mean for name in ("take", "draw", "clip", "pin"))
         typed = [each.mean for each in times.times.typed.values()]
         self.quickest = min([by_hand + times.elements["aside"].mean, *typed])
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
+        self._firsts: dict[int, float] = {}
         self._most: dict[int, frozenset[int]] = {}
         self._by_hand: dict[tuple[int, ...], Choice] = {}
         self._needed: dict[int, frozenset[int]] = {}
@@ -230,13 +231,18 @@ class Actions:
         """As `Problem`: with all out that can be out before, and a loose fastener by hand."""
         if item not in self._least:
             by_hand = self.by_hand([item]).seconds
+            self._least[item] = min([self.first(item), *([by_hand] if self.mates(item) else [])])
+        return self._least[item]
+
+    def first(self, item: int) -> float:
+        """As `Problem`: with all out that can be out before."""
+        if item not in self._firsts:
             fixing = self.fixings.of(item)
             assert fixing.row is not None
             out = self.gone(self._most_out(item)) - {fixing.part}
             best = self.reaching.at_best(fixing.row, out, fixing.turns.count)
-            options = [self.undone(item, each).mean for each in best.tooled]
-            self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
-        return self._least[item]
+            self._firsts[item] = min((self.undone(item, each).mean for each in best.tooled), default=math.inf)
+        return self._firsts[item]
 
     def needed(self, item: int) -> frozenset[int]:
         """As `Problem`: of the items in the way at first, those that are in it alone."""
