@@ -28,6 +28,8 @@ AXIS = "axis"
 """The motion of a fastener: out along its axis."""
 DRAWN_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0)
 """Where, on the way of a fastener, depths are measured."""
+MOST_AT_ONCE = 400
+"""A part that no direction with few blockers takes out may wait for this many other parts: a case that all is on."""
 BOX_M = 1e-6
 """What boxes are grown by where they tell what a motion can touch."""
 
@@ -66,13 +68,18 @@ class _Graph(BlockingGraph):
         super().__init__(question, clock)
         self._fixings = fixings
         self.rings = Rings(self, fixings)
+        self._widened: set[int] = set()
 
     def exits(self, node: int) -> list[Exit]:
         """As of the graph of a removal order; a ring leaves its groove first."""
         if node not in self._exits and node not in self.question.kept and node in self.rings:
             self.clock.tell(f"how {self.question.names([node])} leaves its groove")
             self._exits[node] = self.rings.exits(node)
-        return super().exits(node)
+        found = super().exits(node)
+        if not found and node not in self._widened and self.clock.goes_on():
+            self._widened.add(node)
+            found = self.widened(node, MOST_AT_ONCE)
+        return found
 
     def fastener_axes(self, parts: tuple[int, ...]) -> list[Floats]:
         """As of each graph. They are looked for anew, so that where that looks is noted for each question."""

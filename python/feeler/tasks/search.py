@@ -342,6 +342,8 @@ class Search:
             if self.problem.is_turned(item):
                 if math.isinf(self.problem.least(item)):
                     self._note(item, frozenset())
+                    needs.append(Need(_NEVER, item, 0))
+                    continue
                 waiting += sorted(self.problem.needed(item) - items)
                 ways = self.problem.ways(item)
                 if len(ways) == 1:
