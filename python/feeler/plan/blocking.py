@@ -195,6 +195,13 @@ class BlockingGraph:
             source.widen(most)
         return self.exits(node)
 
+    def touching(self, node: int) -> frozenset[int]:
+        """The parts that touch a part against the direction in which the fewest do, as far as its exits were looked
+        for."""
+        source = self._sources.get(node)
+        against = [] if source is None else source.opposing
+        return frozenset(map(self.question.node_of, min(against, key=len, default=())))
+
     def known(self, node: int) -> list[Exit]:
         """The exits of a part that were computed so far."""
         return self._exits.get(node, [])
@@ -245,6 +252,11 @@ class _Source:
         self._most = MOST_BLOCKERS
         self._mover: Mover | None = None
         self.directions: list[Direction] = []
+
+    @property
+    def opposing(self) -> list[set[int]]:
+        """The parts that touch it against each direction, if there are any."""
+        return [] if self._mover is None else [each for each in self._mover.opposing.values() if each]
 
     def widen(self, most: int) -> None:
         """Begins anew, with directions of up to `most` blockers."""

@@ -575,7 +575,7 @@ class _Planner:
         actions, question = self.actions, self.question
         first = sorted({item for joint in actions.holders(TARGET) for item in joint})
         more = sorted(min((one.blockers for one in actions.graph.known(TARGET)), key=len, default=frozenset()))
-        nodes = dict.fromkeys([*more, *first])
+        nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(TARGET))), *first])
         paths = [self.mockup.part_paths[part] for node in nodes for part in question.parts_of([node])[:1]]
         return TaskBlocker(self.wanted[0], "the search ended before a plan was found", tuple(paths))
 
@@ -587,7 +587,7 @@ class _Planner:
             empty = any(not joint for joint in actions.holders(item))
             said = "a fastener that holds it is kept" if empty else "no way out was found"
             known = actions.graph.known_blockers(item) if not empty else {}
-            worst = sorted(known, key=lambda node: (-known[node], node))
+            worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(item))
             return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))
         if item in actions.met:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
