@@ -291,12 +291,14 @@ class Search:
         return max(0.0, 1.0 - len(one.needs) / len(one.items))
 
     def _bound(self, one: _Set) -> float:
-        """The least seconds of all plans that take this set out: of its fasteners, one of each axis with a tool; of its
-        parts with a known way, as many as cannot leave together; and of the first tool."""
+        """The least seconds of all plans that take this set out: of its fasteners, one of each axis with a tool, and
+        one of each open joint; of its parts with a known way, as many as cannot leave together; and of the first
+        tool."""
         problem = self.problem
         turned = [item for item in one.items if problem.is_turned(item)]
         found = sum(one.costs.get(item, problem.least(item)) for item in turned)
         found += sum(self._started(axis, one) for axis in set(map(self._axis, turned)) if axis)
+        found += self._joined(one)
         parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
         open_ = _leading_to({need.item for need in one.needs if need.rank == _WAY}, parts)
         found += sum(problem.by_hand(group).seconds for group in _groups(parts) if not open_ & set(group))
@@ -312,6 +314,23 @@ class Search:
                 found |= more
             self._axes[item] = frozenset(found) if len(found) > 1 else frozenset()
         return self._axes[item]
+
+    def _joined(self, one: _Set) -> float:
+        """The least seconds of the fasteners that its open joints will need: of each axis that none is of yet."""
+        found, counted = 0.0, set(one.items)
+        for need in one.needs:
+            if need.rank == _JOINT:
+                joint = self._joint(need)
+                axes = joint.union(*map(self._axis, joint))
+                if not axes & counted:
+                    counted |= axes
+                    found += min(map(self._alone, joint))
+        return found
+
+    def _alone(self, item: int) -> float:
+        """The least seconds of a fastener and of what is undone on its axis before."""
+        others = min(map(self.problem.first, self._axis(item) - {item}), default=math.inf)
+        return min(self.problem.first(item), self.problem.least(item) + others)
 
     def _started(self, axis: frozenset[int], one: _Set) -> float:
         """The least seconds more of the first fastener of an axis, which is not loose yet: one of the set, or another,
