@@ -3,7 +3,7 @@
 The plan is an AND/OR graph (Homem de Mello and Sanderson 1990). A *set* is what a plan takes out. Each of its items has
 needs: fasteners that hold it, parts in the way of a motion, parts in the way of a tool. A need has alternatives; a set
 grows by one of them. Needs with one alternative are settled at once. Sets wait in order of their bound, the sum of the
-least times of their items; of equal ones that with the fewest open needs is first. A set without open needs is put in
+least times of their items; of equal ones the newest is first. A set without open needs is put in
 order by a second search, over what is out and which tool is in hand.
 
 Where bounds are low, many sets are below every plan. If none was found for long, each second set is thus the one that
@@ -24,7 +24,7 @@ from typing import NamedTuple, Protocol
 MOST_SETS = 20_000
 """Sets of one search; beyond it the best order so far is returned, with the bound of those that wait."""
 PATIENCE = 200
-"""Sets by their bound alone; after these, without a plan, each second one is that with the fewest open needs."""
+"""Sets by their bound alone; after these, without a plan, each second one is that which has come furthest."""
 MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
 MOST_STATES = 5_000
@@ -247,7 +247,7 @@ class Search:
         new = [first]
         is_full = False
         while True:
-            for one in new:
+            for one in reversed(new):  # the first is the newest
                 waiting.add(self._bound(one), one)
             if waiting.lowest >= seconds - SLACK:
                 is_complete = True
@@ -488,10 +488,10 @@ class Search:
 
 
 class _Waiting:
-    """The sets that wait, each once."""
+    """The sets that wait, each once; of equal ones the newest is first."""
 
     def __init__(self) -> None:
-        self._by_bound: list[tuple[float, int, int, _Set]] = []
+        self._by_bound: list[tuple[float, int, _Set]] = []
         self._by_needs: list[tuple[int, float, int, _Set]] = []
         self._seen: set[Hashable] = set()
         self._taken: set[int] = set()
@@ -504,21 +504,21 @@ class _Waiting:
         self._seen.add(one.key)
         self._number += 1
         rounded = round(bound, _DIGITS)
-        heapq.heappush(self._by_bound, (rounded, len(one.needs), self._number, one))
-        heapq.heappush(self._by_needs, (len(one.needs), rounded, self._number, one))
+        heapq.heappush(self._by_bound, (rounded, -self._number, one))
+        heapq.heappush(self._by_needs, (len(one.needs) - len(one.chosen), rounded, -self._number, one))
 
     @property
     def lowest(self) -> float:
         """The least bound; infinite if none waits."""
-        while self._by_bound and self._by_bound[0][2] in self._taken:
+        while self._by_bound and self._by_bound[0][1] in self._taken:
             heapq.heappop(self._by_bound)
         return self._by_bound[0][0] if self._by_bound else math.inf
 
     def take(self, is_furthest: bool) -> tuple[float, _Set]:
-        """The set with the least bound, or that with the fewest open needs, and its bound. One waits at least."""
+        """The set with the least bound, or that with the most items settled, and its bound. One waits at least."""
         if not is_furthest:
             assert not math.isinf(self.lowest)
-            bound, _, number, one = heapq.heappop(self._by_bound)
+            bound, number, one = heapq.heappop(self._by_bound)
         else:
             while self._by_needs[0][2] in self._taken:
                 heapq.heappop(self._by_needs)
