@@ -147,9 +147,7 @@ def test_when_time_is_up_the_best_plan_so_far_is_said(lidded: feeler.Scene, monk
     assert late.notes == ("The time was up: nothing says that the ways of these steps hold.",)
 
 
-def test_at_the_limit_of_sets_it_says_what_is_in_the_way(
-    lidded: feeler.Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_at_the_limit_of_sets_it_says_what_is_in_the_way(lidded: feeler.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("feeler.tasks.search.MOST_SETS", 1)
     full = feeler.task(lidded, "cover", driver())
     assert not full.is_found and not full.is_complete and "more seconds do not help" in full.notes[0]
