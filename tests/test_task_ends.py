@@ -18,6 +18,7 @@ from feeler.errors import OptionError
 from feeler.io import write_glb
 from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
+from feeler.tasks.pacing import Pace
 from feeler.tasks.planning import planned
 from feeler.tasks.reached import Reaching
 from feeler.tasks.replanning import Memory
@@ -136,6 +137,21 @@ def test_ctrl_c_ends_with_the_best_plan_so_far(lidded: feeler.Scene, tmp_path: P
     assert "Gantt" in (tmp_path / "late.html").read_text()
     with pytest.raises(OptionError, match="no film of a task without a plan"):
         late.to_glb(tmp_path / "late.glb", lidded.mockup, driver())
+
+
+def test_when_time_is_up_the_best_plan_so_far_is_said(lidded: feeler.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Pace, "goes_on", lambda self: not self._what.startswith("checking"))
+    late = feeler.task(lidded, "cover", driver())
+    assert not late.is_found and not late.is_complete and len(late.steps) == 3
+    assert late.said.startswith("best so far: 3 steps, ") and 0.0 < late.bound <= late.seconds
+    assert late.notes == ("The time was up: nothing says that the ways of these steps hold.",)
+
+
+def test_at_the_limit_of_sets_it_says_what_is_in_the_way(lidded: feeler.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("feeler.tasks.search.MOST_SETS", 1)
+    full = feeler.task(lidded, "cover", driver())
+    assert not full.is_found and not full.is_complete and "more seconds do not help" in full.notes[0]
+    assert full.blocked[0].part == "cover" and full.blocked[0].blockers and full.said.startswith("no plan so far")
 
 
 def test_ctrl_c_before_any_plan_says_the_bound(lidded: feeler.Scene) -> None:

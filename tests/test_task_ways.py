@@ -220,6 +220,14 @@ def test_a_ring_without_room_to_be_opened_stays() -> None:
     assert [step.paths for step in free.steps] == [("sleeve",), ("circlip",), ("gear",)]
 
 
+def test_a_bolt_with_a_circlip_is_drawn_by_hand() -> None:
+    names = geared()
+    scene = scene_of({"bolt": names["shaft"], "gear": names["gear"], "circlip": names["circlip"]})
+    row = feeler.find_fasteners(scene)
+    task = feeler.task(scene, "bolt", fasteners=row)
+    assert task.is_found and all(step.verb == "take out" for step in task.steps)
+
+
 def test_a_circlip_in_a_bore_is_squeezed() -> None:
     bore = [(0.01, 0.0), (0.01, 0.02), (0.0105, 0.02), (0.0105, 0.0213), (0.01, 0.0213), (0.01, 0.03), (0.02, 0.03)]
     parts = {

@@ -188,6 +188,24 @@ class BlockingGraph:
         self._exits[node] = [one for one in left if one.motions]
         return known
 
+    def widened(self, node: int, most: int) -> list[Exit]:
+        """The exits of a part that has none, with directions of more blockers too."""
+        source = self._sources.get(node)
+        if source is not None and not self._exits[node]:
+            source.widen(most)
+        return self.exits(node)
+
+    def touching(self, node: int) -> frozenset[int]:
+        """The parts that touch a part against the direction in which the fewest do, as far as its exits were looked
+        for."""
+        source = self._sources.get(node)
+        against = [] if source is None else source.opposing
+        return frozenset(map(self.question.node_of, min(against, key=len, default=())))
+
+    def known(self, node: int) -> list[Exit]:
+        """The exits of a part that were computed so far."""
+        return self._exits.get(node, [])
+
     def known_blockers(self, node: int) -> dict[int, int]:
         """The blockers of a part that are known so far, and along how many directions each stands in its way."""
         found: dict[int, int] = {}
@@ -231,8 +249,19 @@ class _Source:
     def __init__(self, graph: BlockingGraph, node: int, first: FirstExits) -> None:
         self.graph, self.node = graph, node
         self.done, self.fewest, self.is_all = first.done, first.fewest, first.is_all
+        self._most = MOST_BLOCKERS
         self._mover: Mover | None = None
         self.directions: list[Direction] = []
+
+    @property
+    def opposing(self) -> list[set[int]]:
+        """The parts that touch it against each direction, if there are any."""
+        return [] if self._mover is None else [each for each in self._mover.opposing.values() if each]
+
+    def widen(self, most: int) -> None:
+        """Begins anew, with directions of up to `most` blockers."""
+        self._most = self.fewest = most
+        self.done, self.is_all = 0, False
 
     def next(self, known: Sequence[Exit]) -> Exit | None:
         """Another exit, unless all directions are blocked for good, dominated by known exits, or the time is up."""
@@ -252,7 +281,7 @@ class _Source:
             least = set(map(node_of, self._mover.opposed(direction)))
             if any(one.blockers < least for one in known):
                 continue
-            blockers = self._mover.blockers(direction, min(MOST_BLOCKERS, 2 * self.fewest + FEW_BLOCKERS))
+            blockers = self._mover.blockers(direction, min(self._most, 2 * self.fewest + FEW_BLOCKERS))
             if blockers is not None:
                 self.fewest = min(self.fewest, len(blockers))
                 return Exit((direction,), frozenset(map(node_of, blockers)), holding)

@@ -28,6 +28,8 @@ AXIS = "axis"
 """The motion of a fastener: out along its axis."""
 DRAWN_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0)
 """Where, on the way of a fastener, depths are measured."""
+MOST_AT_ONCE = 400
+"""A part that no direction with few blockers takes out may wait for this many other parts: a case that all is on."""
 BOX_M = 1e-6
 """What boxes are grown by where they tell what a motion can touch."""
 
@@ -66,13 +68,18 @@ class _Graph(BlockingGraph):
         super().__init__(question, clock)
         self._fixings = fixings
         self.rings = Rings(self, fixings)
+        self._widened: set[int] = set()
 
     def exits(self, node: int) -> list[Exit]:
         """As of the graph of a removal order; a ring leaves its groove first."""
         if node not in self._exits and node not in self.question.kept and node in self.rings:
             self.clock.tell(f"how {self.question.names([node])} leaves its groove")
             self._exits[node] = self.rings.exits(node)
-        return super().exits(node)
+        found = super().exits(node)
+        if not found and node not in self._widened and self.clock.goes_on():
+            self._widened.add(node)
+            found = self.widened(node, MOST_AT_ONCE)
+        return found
 
     def fastener_axes(self, parts: tuple[int, ...]) -> list[Floats]:
         """As of each graph. They are looked for anew, so that where that looks is noted for each question."""
@@ -115,12 +122,13 @@ class Actions:
         self.ahead = ahead
         self.graph = _Graph(question, clock, fixings)
         self.rings = self.graph.rings
-        self.get_seconds = times.elements["get"].mean
+        self.get_seconds = times.elements["get"].mean if reaching.is_checked else 0.0
         by_hand = min(times.elements[name].mean for name in ("take", "draw", "clip", "pin"))
         typed = [each.mean for each in times.times.typed.values()]
         self.quickest = min([by_hand + times.elements["aside"].mean, *typed])
         self._axis: dict[int, tuple[Way, ...]] = {}
         self._least: dict[int, float] = {}
+        self._firsts: dict[int, float] = {}
         self._most: dict[int, frozenset[int]] = {}
         self._by_hand: dict[tuple[int, ...], Choice] = {}
         self._needed: dict[int, frozenset[int]] = {}
@@ -230,13 +238,18 @@ class Actions:
         """As `Problem`: with all out that can be out before, and a loose fastener by hand."""
         if item not in self._least:
             by_hand = self.by_hand([item]).seconds
+            self._least[item] = min([self.first(item), *([by_hand] if self.mates(item) else [])])
+        return self._least[item]
+
+    def first(self, item: int) -> float:
+        """As `Problem`: with all out that can be out before."""
+        if item not in self._firsts:
             fixing = self.fixings.of(item)
             assert fixing.row is not None
             out = self.gone(self._most_out(item)) - {fixing.part}
             best = self.reaching.at_best(fixing.row, out, fixing.turns.count)
-            options = [self.undone(item, each).mean for each in best.tooled]
-            self._least[item] = min([*options, *([by_hand] if self.mates(item) else [])], default=math.inf)
-        return self._least[item]
+            self._firsts[item] = min((self.undone(item, each).mean for each in best.tooled), default=math.inf)
+        return self._firsts[item]
 
     def needed(self, item: int) -> frozenset[int]:
         """As `Problem`: of the items in the way at first, those that are in it alone."""

@@ -62,6 +62,12 @@ class Fixings:
             hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
         }
         """Studs, and the part that each is fastened in."""
+        self._axles = {
+            hold.anchor
+            for hold in held
+            if hold.kind == "circlip" and hold.anchor in self._held and self._held[hold.anchor].anchor is None
+        }
+        """What a circlip alone keeps in its place: it has no thread, so it is drawn by hand."""
         self.by_joined: dict[int, list[int]] = {}
         """Fasteners by the parts that they join."""
         for hold in held:
@@ -94,7 +100,7 @@ class Fixings:
 
     def is_turned(self, part: int) -> bool:
         """Whether a fastener is turned by a tool."""
-        return part in self and part in self._rows
+        return part in self and part in self._rows and part not in self._axles
 
     def is_plug(self, part: int) -> bool:
         """Whether a fastener holds itself alone."""

@@ -405,19 +405,31 @@ class _Holding:
         return _row(self.mockup, row.part, row.kind, (*parts, *more), tuple(washers), anchor, mates, because)
 
     def _without_washers(self, row: Fastener, passed: list[Passed]) -> tuple[list[Passed], list[int]]:
-        flats = row.across_flats if np.isfinite(row.across_flats) else 0.0
-        widest = WASHER_WIDTH * max(flats, 1.8 * row.size)
+        """Parts, and the washers: flat rings with nothing but such between them and the head or a nut. Rings between
+        other parts are shims and seals, which are held."""
+        rings = {each.part for each in passed if self._is_ring(row, each.part)}
+        ends = [] if _is_stud(row) else [np.inf]
+        ends += [self._middle(row, nut) for nut in self.nuts.get(row.part, [])]
+        ends += [-np.inf] if row.kind == "nut" else []
+        others = [0.5 * (each.top + each.bottom) for each in passed if each.part not in rings]
         washers = []
         for each in passed:
-            if self.sizes[each.part].max() > 1.01 * widest:
-                continue
-            vertices = self.meshes.mesh(each.part)[0]
-            local = (vertices - row.frame[:3, 3]) @ row.frame[:3, :3]
-            radius = np.hypot(local[:, 0], local[:, 1])
-            is_flat = float(np.ptp(local[:, 2])) <= WASHER_HEIGHT * row.size
-            if is_flat and 2.0 * radius.max() <= widest and radius.min() > 0.4 * row.size:
+            middle = 0.5 * (each.top + each.bottom)
+            is_next = any(not any(min(middle, end) < o < max(middle, end) for o in others) for end in ends)
+            if each.part in rings and is_next:
                 washers.append(each.part)
         return [each for each in passed if each.part not in washers], washers
+
+    def _is_ring(self, row: Fastener, part: int) -> bool:
+        """Whether a part looks like a washer of a fastener."""
+        flats = row.across_flats if np.isfinite(row.across_flats) else 0.0
+        widest = WASHER_WIDTH * max(flats, 1.8 * row.size)
+        if self.sizes[part].max() > 1.01 * widest:
+            return False
+        local = (self.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+        radius = np.hypot(local[:, 0], local[:, 1])
+        is_flat = float(np.ptp(local[:, 2])) <= WASHER_HEIGHT * row.size
+        return bool(is_flat and 2.0 * radius.max() <= widest and radius.min() > 0.4 * row.size)
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
         """The deepest part that the shank is tight in."""

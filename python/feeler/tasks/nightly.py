@@ -282,9 +282,9 @@ def _plan(found: Task, keys: Sequence[str], regions: Regions, is_cut: bool) -> P
     return Plan(
         is_out=found.is_found,
         said=found.said,
-        seconds=found.seconds,
-        low=found.low,
-        high=found.high,
+        seconds=found.seconds if found.is_found else math.nan,
+        low=found.low if found.is_found else math.nan,
+        high=found.high if found.is_found else math.nan,
         steps=len(found.steps),
         undone=sum(step.verb in ("undo", "disconnect") for step in found.steps),
         tools=found.tools,

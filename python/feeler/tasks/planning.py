@@ -43,6 +43,10 @@ Floats = npt.NDArray[np.float64]
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
+_FULL = (
+    "The search ended at its limit of {:,} sets of parts, not of time: more seconds do not help. Ask for fewer parts "
+    "at once, leave out of the scene what is off already, or say with keep what stays."
+)
 FOUND, HELD, READY, SEARCHED = 0.1, 0.2, 0.25, 0.85
 """Shares of the progress when fasteners are found, what they hold, what leaves together, and the order."""
 
@@ -272,7 +276,7 @@ class _Planner:
         try:
             answer = self._best()
         except KeyboardInterrupt:
-            raise TaskInterrupted(self._so_far()) from None
+            raise TaskInterrupted(self._so_far("Interrupted")) from None
         self.clock.stage(1.0, "done")
         self.clock.within(1.0)
         self.clock.tell("done")
@@ -292,7 +296,10 @@ class _Planner:
             if not self.clock.goes_on():
                 break
             found = self._found()
-        return self._blocked(found)
+        if found.steps is None:
+            return self._blocked(found)
+        is_late = not self.clock.goes_on()
+        return self._so_far("The time was up" if is_late else f"The ways of {MOST_PLANS} plans did not hold, its limit")
 
     def _found(self, told: Callable[[float], None] = lambda share: None) -> Found:
         self.clock.tell("searching the quickest order")
@@ -322,6 +329,7 @@ class _Planner:
         return checked
 
     def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
+        """A step with its way; None if none was found."""
         actions, item = self.actions, step.unit.items[0]
         gone = actions.gone(out)
         parts = self._left(step, out)
@@ -339,7 +347,8 @@ class _Planner:
             return _Checked(step, (), np.eye(4)[None], frozenset(), "")
         found = self.leading.way(step.unit, parts, out)
         if not found.is_found:
-            self._learn(step, found)
+            if self.clock.goes_on():
+                self._learn(step, found)
             return None
         return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), found.said)
 
@@ -422,8 +431,9 @@ class _Planner:
             notes=tuple(notes),
         )
 
-    def _so_far(self) -> Task:
-        """The best plan until now. Nothing is asked of the geometry any more, so its ways are not checked."""
+    def _so_far(self, because: str) -> Task:
+        """The best plan until now. Nothing is asked of the geometry any more, so its ways are not checked. because: why
+        it ends."""
         found = Found(None, math.nan, 0.0, False, {}) if self._search is None else self._search.so_far
         out: frozenset[int] = frozenset()
         steps: list[TaskStep] = []
@@ -453,7 +463,7 @@ class _Planner:
             is_complete=False,
             elements=dict(self.actions.times.elements),
             examples=self.actions.times.times.examples,
-            notes=("Interrupted: nothing says that the ways of these steps hold.",) if steps else (),
+            notes=(f"{because}: nothing says that the ways of these steps hold.",) if steps else (),
         )
 
     def _timed(self, one: _Checked) -> Timed:
@@ -543,15 +553,34 @@ class _Planner:
 
     def _blocked(self, found: Found) -> Task:
         rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
-        notes: tuple[str, ...] = () if found.is_complete else ("The search ended at its limit: give it more seconds.",)
+        is_complete = found.is_complete and self.clock.goes_on()
+        if not rows:
+            rows = [self._in_its_way()]
+        notes: tuple[str, ...] = ()
+        if found.is_full:
+            notes = (_FULL.format(self.search.sets),)
+        elif not is_complete:
+            notes = ("The time was up before the search ended: give it more seconds.",)
         if self.forced:
             notes += ("An order was forced: there may be a plan without it.",)
         nan = math.nan
+        bound = nan if is_complete else found.bound / self.people
         elements, examples = dict(self.actions.times.elements), self.actions.times.times.examples
         return Task(
-            *(self.wanted, False, (), nan, nan, nan, tuple(rows), self.people, found.is_complete, elements, examples),
+            *(self.wanted, False, (), nan, nan, bound, tuple(rows), self.people, is_complete, elements, examples),
             notes=notes,
         )
+
+    def _in_its_way(self) -> TaskBlocker:
+        """Of the wanted parts what is known to hold them, and to be in their way where the fewest are, if the search
+        ended before it knew what stays."""
+        actions, question = self.actions, self.question
+        first = sorted({item for joint in actions.holders(TARGET) for item in joint})
+        ways = [one.blockers for one in actions.graph.known(TARGET)]
+        more = sorted(min(ways, key=len)) if ways else []
+        nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(TARGET))), *first])
+        paths = [self.mockup.part_paths[part] for node in nodes for part in question.parts_of([node])[:1]]
+        return TaskBlocker(self.wanted[0], "the search ended before a plan was found", tuple(paths))
 
     def _blocker(self, item: int, blockers: frozenset[int]) -> TaskBlocker:
         actions, question, paths = self.actions, self.question, self.mockup.part_paths
@@ -561,7 +590,7 @@ class _Planner:
             empty = any(not joint for joint in actions.holders(item))
             said = "a fastener that holds it is kept" if empty else "no way out was found"
             known = actions.graph.known_blockers(item) if not empty else {}
-            worst = sorted(known, key=lambda node: (-known[node], node))
+            worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(item))
             return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))
         if item in actions.met:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))

@@ -142,7 +142,8 @@ class Reaching:
         among those whose boxes meet that of the tools in any turn, and on any way in.
 
         It is also taken from other sets: what is out never blocks, so the strokes for `turns` of a set are between
-        those of a smaller and of a larger one, and where no tool reaches, none does with less out.
+        those of a smaller and of a larger one, and where no tool reaches, none does with less out. Parts that were in
+        the way of no tool in a smaller set give no more room.
         """
         known, key = self._known.setdefault(row.part, {}), self._key(row, out)
         if key not in known:
@@ -184,8 +185,11 @@ class Reaching:
         if () in larger:
             other, answer = larger[()]
             return replace(answer, blockers=tuple(dict.fromkeys([*answer.blockers, *sorted(other - key)])))
-        smaller = (answer for other, answer in known.items() if other <= key)
-        return next((answer for answer in smaller if _strokes(answer, turns) in larger), None)
+        smaller = [(other, answer) for other, answer in known.items() if other <= key]
+        for other, answer in smaller:
+            if _strokes(answer, turns) in larger or not (key - other).intersection(answer.blockers):
+                return answer
+        return None
 
     def near(self, row: Fastener) -> frozenset[int]:
         """The parts that its answers can depend on."""

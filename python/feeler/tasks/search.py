@@ -2,8 +2,12 @@
 
 The plan is an AND/OR graph (Homem de Mello and Sanderson 1990). A *set* is what a plan takes out. Each of its items has
 needs: fasteners that hold it, parts in the way of a motion, parts in the way of a tool. A need has alternatives; a set
-grows by one of them. Sets wait in order of their bound, the sum of the least times of their items. A set without open
-needs is put in order by a second search, over what is out and which tool is in hand.
+grows by one of them. Needs with one alternative are settled at once. Sets wait in order of their bound, the sum of the
+least times of their items; of equal ones the newest is first. A set without open needs is put in
+order by a second search, over what is out and which tool is in hand.
+
+Where bounds are low, many sets are below every plan. If none was found for long, each second set is thus the one that
+has come furthest. All others wait, so the bound is as good.
 
 What is out never blocks, so more parts out never close a way. Hence at a need one of its alternatives is in every plan
 that grows from the set, and the least bound of all sets that have not been given up is a bound of every plan.
@@ -19,6 +23,8 @@ from typing import NamedTuple, Protocol
 
 MOST_SETS = 20_000
 """Sets of one search; beyond it the best order so far is returned, with the bound of those that wait."""
+PATIENCE = 200
+"""Sets by their bound alone; after these, without a plan, each second one is that which has come furthest."""
 MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
 MOST_STATES = 5_000
@@ -27,8 +33,10 @@ MOST_AHEAD = 60
 """States with equally many steps in a beam search."""
 SETTLED = 0.75
 """The share of the progress of a search when it has a plan."""
-SLACK = 1e-9
+SLACK = 1e-6
 """Seconds that do not count."""
+_DIGITS = 6
+"""To which bounds are rounded: sums of the same times in another order are equal."""
 
 Motions = tuple[Hashable, ...]
 
@@ -82,19 +90,23 @@ class Problem(Protocol):
     def least(self, item: int) -> float:
         """The least seconds of a fastener in any order; infinite if it cannot be undone in any."""
 
+    def first(self, item: int) -> float:
+        """The least seconds of a fastener that is undone before all others on its axis: with a tool."""
+
     def needed(self, item: int) -> frozenset[int]:
         """Items each of which has to be out before a fastener is undone: with it alone in place no tool reaches it."""
 
 
 class Need(NamedTuple):
-    """Something that has to be settled: a joint, the way of a part or fastener, or the reach of a tool."""
+    """Something that has to be settled: the way of a fastener or part, a joint, or the reach of a tool. Joints come
+    after ways, as these often settle them, and reach last: what is out gives room."""
 
     rank: int
     item: int
     joint: int
 
 
-_JOINT, _AXIS, _WAY, _REACH = range(4)
+_NEVER, _AXIS, _WAY, _JOINT, _REACH = range(5)
 
 
 @dataclass(frozen=True)
@@ -128,6 +140,8 @@ class Found:
     """Whether the search ended by itself."""
     stuck: Mapping[int, frozenset[int]]
     """Of items that nothing frees: what is in their way."""
+    is_full: bool = False
+    """Whether it ended at the limit of sets: more time does not help."""
 
 
 @dataclass(frozen=True)
@@ -168,6 +182,7 @@ class Search:
         self.so_far = Found(None, math.inf, 0.0, False, self.stuck)
         """The best plan and the bound until now, for whoever ends the search."""
         self._makes_room = False
+        self._axes: dict[int, frozenset[int]] = {}
 
     def best(self) -> Found:
         """The quickest plan found, and its bound.
@@ -180,7 +195,8 @@ class Search:
         self._makes_room = True
         second = self._run(first)
         is_complete = first.is_complete and second.is_complete
-        return Found(second.steps, second.seconds, max(first.bound, second.bound), is_complete, self.stuck)
+        is_full = first.is_full or second.is_full
+        return Found(second.steps, second.seconds, max(first.bound, second.bound), is_complete, self.stuck, is_full)
 
     def sure(self) -> frozenset[int]:
         """The items that every plan takes out."""
@@ -223,42 +239,39 @@ class Search:
     def _run(self, known: Found) -> Found:
         """The search over sets. known: a plan from before."""
         best, seconds = known.steps, known.seconds
-        queue: list[tuple[float, int, _Set]] = []
-        seen: set[Hashable] = set()
-        least_leaf, number, looked, opened = math.inf, 0, 0, 0.0
+        waiting = _Waiting()
+        least_leaf, looked, opened = math.inf, 0, 0.0
         limit = MOST_SETS if best is None else MOST_MORE
         first = self._grown(_Set(frozenset(), ()), [self.target])
         assert first is not None
-        waiting = [first]
+        new = [first]
+        is_full = False
         while True:
-            for one in waiting:
-                bound = self._bound(one)
-                if not math.isinf(bound) and one.key not in seen:
-                    seen.add(one.key)
-                    number += 1
-                    heapq.heappush(queue, (bound, number, one))
-            if not queue or queue[0][0] >= seconds - SLACK:
+            for one in reversed(new):  # the first is the newest
+                waiting.add(self._bound(one), one)
+            if waiting.lowest >= seconds - SLACK:
                 is_complete = True
                 break
-            if not self._goes_on() or looked >= limit:
+            is_full = looked >= limit
+            if is_full or not self._goes_on():
                 is_complete = False
                 break
-            bound, _, one = heapq.heappop(queue)
+            lowest = max(self.so_far.bound, min(seconds, least_leaf, waiting.lowest))
+            self.so_far = Found(best, seconds, lowest, False, self.stuck)
+            bound, one = waiting.take(best is None and looked > PATIENCE and looked % 2 == 1)
             looked += 1
             if best is None:
                 self._told(SETTLED * self._settled(one))
             else:
                 closed = (bound - opened) / (seconds - opened) if seconds > opened else 1.0
                 self._told(SETTLED + (1.0 - SETTLED) * max(closed, looked / limit))
-            lowest = max(self.so_far.bound, min(seconds, least_leaf, bound))
-            self.so_far = Found(best, seconds, lowest, False, self.stuck)
             if one.needs:
-                waiting = list(self._children(one))
+                new = list(self._children(one))
                 continue
-            waiting = []
+            new = []
             steps, blocked = self._in_order(one)
             if steps is None:
-                waiting = [each for item in sorted(blocked) if (each := self._grown(one, [item])) is not None]
+                new = [each for item in sorted(blocked) if (each := self._grown(one, [item])) is not None]
                 continue
             least_leaf = min(least_leaf, bound)
             if best is None:
@@ -268,21 +281,24 @@ class Search:
             if cost < seconds - SLACK:
                 best, seconds = steps, cost
         self.sets += looked
-        lowest = queue[0][0] if queue else math.inf
-        self.so_far = Found(best, seconds, min(seconds, least_leaf, lowest), is_complete, self.stuck)
+        self.so_far = Found(
+            best, seconds, min(seconds, least_leaf, waiting.lowest), is_complete, self.stuck, is_full and best is None
+        )
         return self.so_far
 
     def _settled(self, one: _Set) -> float:
         """The share of the needs of a set that are settled."""
-        turned = sum(self.problem.is_turned(item) for item in one.items)
-        return max(0.0, 1.0 - len(one.needs) / (len(one.items) + turned))
+        return max(0.0, 1.0 - len(one.needs) / len(one.items))
 
     def _bound(self, one: _Set) -> float:
-        """The least seconds of all plans that take this set out: of its fasteners, of its parts with a known way, as
-        many as cannot leave together, and of the first tool."""
+        """The least seconds of all plans that take this set out: of its fasteners, one of each axis with a tool, and
+        one of each open joint; of its parts with a known way, as many as cannot leave together; and of the first
+        tool."""
         problem = self.problem
         turned = [item for item in one.items if problem.is_turned(item)]
         found = sum(one.costs.get(item, problem.least(item)) for item in turned)
+        found += sum(self._started(axis, one) for axis in set(map(self._axis, turned)) if axis)
+        found += self._joined(one)
         parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
         open_ = _leading_to({need.item for need in one.needs if need.rank == _WAY}, parts)
         found += sum(problem.by_hand(group).seconds for group in _groups(parts) if not open_ & set(group))
@@ -290,9 +306,41 @@ class Search:
         needs_tool = any(problem.least(item) > 0.0 and not problem.mates(item) for item in turned)
         return found + (problem.get_seconds if needs_tool else 0.0)
 
+    def _axis(self, item: int) -> frozenset[int]:
+        """A fastener with all others on its axis, if there are others."""
+        if item not in self._axes:
+            found = {item}
+            while more := frozenset[int]().union(*map(self.problem.mates, found)) - found:
+                found |= more
+            self._axes[item] = frozenset(found) if len(found) > 1 else frozenset()
+        return self._axes[item]
+
+    def _joined(self, one: _Set) -> float:
+        """The least seconds of the fasteners that its open joints will need: of each axis that none is of yet."""
+        found, counted = 0.0, set(one.items)
+        for need in one.needs:
+            if need.rank == _JOINT:
+                joint = self._joint(need)
+                axes = joint.union(*map(self._axis, joint))
+                if not axes & counted:
+                    counted |= axes
+                    found += min(map(self._alone, joint))
+        return found
+
+    def _alone(self, item: int) -> float:
+        """The least seconds of a fastener and of what is undone on its axis before."""
+        others = min(map(self.problem.first, self._axis(item) - {item}), default=math.inf)
+        return min(self.problem.first(item), self.problem.least(item) + others)
+
+    def _started(self, axis: frozenset[int], one: _Set) -> float:
+        """The least seconds more of the first fastener of an axis, which is not loose yet: one of the set, or another,
+        which is then undone too."""
+        own = [self.problem.first(item) - self.problem.least(item) for item in axis & one.items]
+        return min([*own, *(self.problem.first(item) for item in axis - one.items - one.stays)])
+
     def _grown(self, one: _Set, more: Iterable[int]) -> _Set | None:
         """The set with more items, and what each of them needs for sure; None if that has to stay."""
-        items, needs = set(one.items), list(one.needs)
+        items, needs, chosen = set(one.items), list(one.needs), dict(one.chosen)
         waiting = [item for item in more if item not in items]
         while waiting:
             item = waiting.pop(0)
@@ -309,26 +357,37 @@ class Search:
                 if len(joint) == 1:
                     waiting += sorted(joint - items)
                 else:
-                    needs.append(Need(_JOINT, item, index))
+                    needs.append(Need(_JOINT if joint else _NEVER, item, index))
             if self.problem.is_turned(item):
                 if math.isinf(self.problem.least(item)):
                     self._note(item, frozenset())
+                    needs.append(Need(_NEVER, item, 0))
+                    continue
                 waiting += sorted(self.problem.needed(item) - items)
-                needs += [Need(_AXIS, item, 0), Need(_REACH, item, 0)]
+                ways = self.problem.ways(item)
+                if len(ways) == 1:
+                    chosen[item] = ways[0]
+                    waiting += sorted(ways[0].blockers - items)
+                else:
+                    needs.append(Need(_AXIS, item, 0))
+                needs.append(Need(_REACH, item, 0))
             else:
                 needs.append(Need(_WAY, item, 0))
-        return replace(one, items=frozenset(items), needs=tuple(sorted(needs)))
+        open_ = (need for need in needs if need.rank != _JOINT or not self._joint(need) & items)
+        return replace(one, items=frozenset(items), needs=tuple(sorted(open_)), chosen=chosen)
+
+    def _joint(self, need: Need) -> frozenset[int]:
+        return self.problem.holders(need.item)[need.joint]
 
     def _children(self, one: _Set) -> Iterator[_Set]:
         """The sets that settle the first need of a set, each in one way."""
         need = one.needs[0]
         left = replace(one, needs=one.needs[1:])
         item, problem = need.item, self.problem
-        if need.rank == _JOINT:
-            joint = problem.holders(item)[need.joint]
-            if not joint:
-                self._note(item, frozenset())
-            yield from [left] if joint & one.items else self._with_each(left, joint)
+        if need.rank == _NEVER:
+            self._note(item, frozenset())
+        elif need.rank == _JOINT:
+            yield from self._with_each(left, self._joint(need))
         elif need.rank in (_AXIS, _WAY):
             ways = problem.ways(item)
             if not ways:
@@ -426,6 +485,46 @@ class Search:
 
     def _seconds(self, steps: Sequence[Ordered]) -> float:
         return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
+
+
+class _Waiting:
+    """The sets that wait, each once; of equal ones the newest is first."""
+
+    def __init__(self) -> None:
+        self._by_bound: list[tuple[float, int, _Set]] = []
+        self._by_needs: list[tuple[int, float, int, _Set]] = []
+        self._seen: set[Hashable] = set()
+        self._taken: set[int] = set()
+        self._number = 0
+
+    def add(self, bound: float, one: _Set) -> None:
+        """Has a set wait, but for one that never leads to a plan."""
+        if math.isinf(bound) or one.key in self._seen:
+            return
+        self._seen.add(one.key)
+        self._number += 1
+        rounded = round(bound, _DIGITS)
+        heapq.heappush(self._by_bound, (rounded, -self._number, one))
+        heapq.heappush(self._by_needs, (len(one.needs) - len(one.chosen), rounded, -self._number, one))
+
+    @property
+    def lowest(self) -> float:
+        """The least bound; infinite if none waits."""
+        while self._by_bound and self._by_bound[0][1] in self._taken:
+            heapq.heappop(self._by_bound)
+        return self._by_bound[0][0] if self._by_bound else math.inf
+
+    def take(self, is_furthest: bool) -> tuple[float, _Set]:
+        """The set with the least bound, or that with the most items settled, and its bound. One waits at least."""
+        if not is_furthest:
+            assert not math.isinf(self.lowest)
+            bound, number, one = heapq.heappop(self._by_bound)
+        else:
+            while self._by_needs[0][2] in self._taken:
+                heapq.heappop(self._by_needs)
+            _, bound, number, one = heapq.heappop(self._by_needs)
+        self._taken.add(number)
+        return bound, one
 
 
 class _State(NamedTuple):

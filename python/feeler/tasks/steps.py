@@ -35,7 +35,7 @@ class TaskStep:
     strokes: int
     way: Floats
     """`(k, 4, 4)`: the motion of the parts in the world, from their place until they are out, as `Removal.poses`. A
-    fastener is drawn off its thread. Empty after Ctrl-C."""
+    fastener is drawn off its thread. Empty where it was not checked."""
     tool_way: Floats
     """`(k, 4, 4)` world_from_tool: the tool's way in; empty without one."""
     person: int
@@ -97,16 +97,16 @@ class TaskFacts:
     """Paths of the wanted parts."""
     is_found: bool
     steps: tuple[TaskStep, ...]
-    """In order; empty if none was found. After Ctrl-C (`TaskInterrupted`): those of the best plan until then, without
-    their ways."""
+    """In order; empty if none was found. After Ctrl-C (`TaskInterrupted`), or if the time was up: those of the best
+    plan until then, without their ways."""
     seconds: float
     """From the beginning to the end; NaN without steps."""
     spread: float
     """Its standard deviation, of the chain of steps that decides it."""
     bound: float
-    """No plan of this model takes fewer seconds; NaN if no plan was found."""
+    """No plan of this model takes fewer seconds; NaN if there is none."""
     blocked: tuple[TaskBlocker, ...]
-    """If no plan was found: what nothing frees, and why."""
+    """If no plan was found: what nothing frees, and why; if the search ended before it knew, what is in the way."""
     people: int
     is_complete: bool
     """Whether the search ended by itself, not at a limit."""
@@ -157,17 +157,17 @@ class TaskFacts:
     @property
     def said(self) -> str:
         """The result in a sentence."""
-        if not self.is_found and not self.is_complete and not self.blocked and math.isfinite(self.bound):
-            return self._said_so_far
+        first = f": {self.blocked[0].part}: {self.blocked[0].because}" if self.blocked else ""
+        if not self.is_found and not self.is_complete and math.isfinite(self.bound):
+            return self._said_so_far + first
         if not self.is_found:
-            first = self.blocked[0] if self.blocked else None
-            return "blocked" + (f": {first.part}: {first.because}" if first else ": no plan was found")
+            return "blocked" + (first or ": no plan was found")
         total = f"best found: {plural(len(self.steps), 'step')}, {clock(self.seconds)} +- {clock(self.spread)}"
         return f"{total}, not below {clock(self.bound)}"
 
     @property
     def _said_so_far(self) -> str:
-        """Of an interrupted search."""
+        """Of a search that ended early."""
         least = f"no plan is below {clock(self.bound)}"
         if not self.steps:
             return f"no plan so far; {least}" if self.bound > 0.0 else "no plan so far"
