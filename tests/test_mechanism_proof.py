@@ -389,6 +389,36 @@ def test_a_pin_that_is_not_round_about_the_axis_jams_however_fine_its_facets(kin
     assert found.above is not None and found.above.other_path == "plate"
 
 
+@pytest.mark.parametrize(("collar", "sides"), [(0.0003, 100), (0.003, 24), (0.003, 100)])
+def test_a_collar_does_not_slide_out_of_its_groove(collar: float, sides: int) -> None:
+    def lathe(outline: list[tuple[float, float]]) -> Mesh:
+        circle = np.arange(sides) * math.tau / sides
+        points = [np.column_stack([r * np.cos(circle), r * np.sin(circle), np.full(sides, z)]) for r, z in outline]
+        a, faces = np.arange(sides), []
+        for level in range(len(outline)):
+            here, there = sides * level, sides * ((level + 1) % len(outline))
+            b = (a + 1) % sides
+            faces += [
+                np.column_stack([here + a, here + b, there + b]),
+                np.column_stack([here + a, there + b, there + a]),
+            ]
+        return np.concatenate(points), np.concatenate(faces)
+
+    wide = 0.1 + collar
+    steps = [(0.1, 0.03), (wide, 0.03), (wide, 0.07), (0.1, 0.07)]
+    mock = parts(
+        pin=lathe([(0.05, -0.1), (0.1, -0.1), *steps, (0.1, 0.2), (0.05, 0.2)]),
+        plate=lathe([(0.2, 0.0), (0.2, 0.1), (0.1, 0.1), *steps[::-1], (0.1, 0.0)]),
+    )
+    moved = Mechanism(mock, [Joint("c", "cylindrical", "plate", "pin", Z)])
+    turn, slide = moved.range("c.turn"), moved.range("c.slide")
+    assert (turn.lower, turn.upper) == (-math.tau, math.tau)
+    assert -1e-4 < slide.lower <= slide.upper < 1e-4
+    assert moved.clearance({"c.slide": (0.0, 0.02)}).lower == 0.0
+    screw = Mechanism(mock, [Joint("s", "screw", "plate", "pin", Z, pitch=0.01)]).range("s")
+    assert -0.1 < screw.lower <= screw.upper < 0.1
+
+
 def jamming_door() -> Mechanism:
     """A door that stands on the sill of its frame, all of one part, and meets a post of it at 45 degrees or so."""
     door = box((0.1, -0.01, 0.0), (1.0, 0.01, 1.0))

@@ -87,8 +87,9 @@ def rounds_of(
     low_bearing = bearing[faces[:, 0]] + turned.min(axis=1)
     order = np.lexsort((mean, is_hole))
     found = []
-    groups = (group for same in _same_radii(order, mean, is_hole) for group in _same_widths(same, span))
-    for group in groups:
+    tall = np.sort(height[faces], axis=1)
+    alike = (wide for same in _same_radii(order, mean, is_hole) for wide in _same_widths(same, span))
+    for group in (run for wide in alike for run in _runs(wide, tall[:, 0], tall[:, 2])):
         if _longest_arc(low_bearing[group], span[group]) < _ARC:
             continue
         if len(np.unique(np.round(low_bearing[group], 4))) < _FEWEST:
@@ -122,6 +123,13 @@ def _same_widths(facets: Ints, span: Floats) -> list[Ints]:
     order = facets[np.argsort(span[facets], kind="stable")]
     widths = span[order]
     return np.split(order, np.flatnonzero(widths[1:] > _WIDER * widths[:-1]) + 1)
+
+
+def _runs(facets: Ints, low: Floats, high: Floats) -> list[Ints]:
+    """Facets of one radius by where they are along the axis: those on both sides of a groove are two cylinders."""
+    order = facets[np.argsort(low[facets], kind="stable")]
+    reach = np.maximum.accumulate(high[order])
+    return np.split(order, np.flatnonzero(low[order][1:] > reach[:-1] + 1e-9) + 1)
 
 
 def _longest_arc(begin: Floats, span: Floats) -> float:

@@ -576,8 +576,8 @@ class _Planner:
         ended before it knew what stays."""
         actions, question = self.actions, self.question
         first = sorted({item for joint in actions.holders(TARGET) for item in joint})
-        ways = [one.blockers for one in actions.graph.known(TARGET)]
-        more = sorted(min(ways, key=len)) if ways else []
+        ways = [sorted(one.blockers) for one in actions.graph.known(TARGET)]
+        more = min(ways, key=len) if ways else []
         nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(TARGET))), *first])
         paths = [self.mockup.part_paths[part] for node in nodes for part in question.parts_of([node])[:1]]
         return TaskBlocker(self.wanted[0], "the search ended before a plan was found", tuple(paths))
