@@ -242,7 +242,8 @@ class Reaching:
         def ask() -> list[Any]:
             return [_Told.of(each, row).plain() for each in quickest(scene, tools, row, turns, enough)]
 
-        facts = [self._fitting(row), turns, *facts_of(row)]
+        # Tools beyond the first that is quick enough are not looked at.
+        facts = [self._fitting(row), turns, enough, *facts_of(row)]
         return [_Told.read(each) for each in scene._recalled("quickest", [row.part], facts, ask)]
 
     def _fitting(self, row: Fastener) -> str:
