@@ -180,10 +180,9 @@ class Reaching:
     @staticmethod
     def _between(known: dict[frozenset[int], Reached], key: frozenset[int], turns: float) -> Reached | None:
         """The answer for a set that follows from those for others."""
-        larger = {_strokes(answer, turns): (other, answer) for other, answer in known.items() if other >= key}
+        larger = {_strokes(answer, turns): answer for other, answer in known.items() if other >= key}
         if () in larger:
-            other, answer = larger[()]
-            return replace(answer, blockers=tuple(dict.fromkeys([*answer.blockers, *sorted(other - key)])))
+            return larger[()]  # one of its blockers has to go, whatever else is
         smaller = (answer for other, answer in known.items() if other <= key)
         return next((answer for answer in smaller if _strokes(answer, turns) in larger), None)
 
