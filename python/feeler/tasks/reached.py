@@ -126,6 +126,7 @@ class Reaching:
         self._enough: dict[int, int] = {}
         self._ahead: dict[tuple[int, frozenset[int]], Reached] = {}
         self._digests: dict[int, str] = {}
+        self._extents: dict[Any, tuple[float, float, float]] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
@@ -258,12 +259,14 @@ class Reaching:
         for held in self.tools:
             tool = seated_tool(held.tool, held.options.get("hand"), held.options.get("grip")).tool
             lift = float(held.options.get("lift", 0.0))
-            yield _room(tool, row, lift, lift, float(held.options.get("approach", APPROACH_M)))
+            yield _room(_extent(tool), row, lift, lift, float(held.options.get("approach", APPROACH_M)))
         if self.catalogue is not None:
             # The lower end of a tool is on the bearing face, in the recess, or above.
             deep = max(each for each in (row.head_height, row.length, row.size, 0.0) if math.isfinite(each))
             for pieces in self.catalogue.fitting(row.drive, row.across_flats, row.size):
-                yield _room(tool_of(pieces), row, -deep, deep, APPROACH_M)
+                if pieces not in self._extents:
+                    self._extents[pieces] = _extent(tool_of(pieces))
+                yield _room(self._extents[pieces], row, -deep, deep, APPROACH_M)
 
 
 def shape_of(tools: object, name: str) -> Tool:
@@ -294,10 +297,19 @@ def _in_the_way(answers: Sequence[_Told]) -> tuple[int, ...]:
     return tuple(sorted(counts, key=lambda part: (-counts[part], part)))
 
 
-def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:
+def _extent(tool: Tool) -> tuple[float, float, float]:
+    """Its largest distance from its axis, its lowest and its highest point, metres."""
+    far = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max())
+    return far, float(tool.bounds[0, 2]), float(tool.bounds[1, 2])
+
+
+def _room(
+    extent: tuple[float, float, float], row: Fastener, lowest: float, highest: float, approach: float
+) -> tuple[Floats, Floats]:
     """The box of all that a tool can meet at a fastener: turned about its axis, and on its way in."""
-    radius = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()) + approach + NEAR_M
-    low, high = tool.bounds[0, 2] + lowest - NEAR_M, tool.bounds[1, 2] + highest + approach + NEAR_M
+    far, bottom, top = extent
+    radius = far + approach + NEAR_M
+    low, high = bottom + lowest - NEAR_M, top + highest + approach + NEAR_M
     corners = np.array([[x, y, z] for x in (-radius, radius) for y in (-radius, radius) for z in (low, high)])
     world = corners @ row.frame[:3, :3].T + row.frame[:3, 3]
     return world.min(axis=0), world.max(axis=0)

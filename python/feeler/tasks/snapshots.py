@@ -179,7 +179,7 @@ class Changes(Sequence[MaintainChange]):
         """Whether it bears on all rows: parts come in another order, or the box of all or its axes are others, by which
         directions are put in order."""
         rooms = [np.stack(room_of(*each.bounds)) for each in (old, new)]
-        self.is_other = is_mixed or not np.array_equal(*rooms, equal_nan=True)
+        self.is_other = is_mixed or not np.array_equal(rooms[0], rooms[1], equal_nan=True)
         """Whether it bears on all answers: parts come in another order, or casts end elsewhere."""
         self._beside = {**old.parts, **new.parts}
 
