@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from night_edits import assembly, edits
 from night_scene import covers, driver, lid, parts, scene_of
+from shapes import cube
 from test_maintain import facts
 
 import feeler
+from feeler.plan.blocking import Mover
 from feeler.tasks import reached
 from feeler.tasks.memory import Memory, carried
 from feeler.tasks.regions import Noted
@@ -75,6 +77,57 @@ def test_other_times_and_tools_ask_what_they_change(monkeypatch: pytest.MonkeyPa
     other = feeler.Tool(driver().vertices * [1.0, 1.0, 1.1], driver().faces, name="driver")
     planned(scene_of(parts(2)), base, tools=other)
     assert set(found) == {"s0/bolt", "s1/bolt"}
+
+
+def test_tools_are_asked_again_where_other_strokes_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Longer tools are not looked at beyond one that is quick enough: then they may be quicker all the same."""
+    scene, _, memory = known()
+    limits: list[int] = []
+    quickest = reached.quickest
+
+    def counted(scene: feeler.Scene, tools: Any, row: Any, turns: float, enough: int) -> Any:
+        limits.append(enough)
+        return quickest(scene, tools, row, turns, enough)
+
+    monkeypatch.setattr(reached, "quickest", counted)
+    reaching = reached.Reaching(WatchedScene.of(scene, Recall(memory, lambda: True)), "built-in", 1)
+    row = feeler.find_fasteners(scene)[0]
+    for enough in (90, 90, 60):
+        reaching.ask(row, frozenset(), 10.0, enough)
+    assert limits == [90, 60]
+
+
+def test_outer_parts_that_move_a_little_leave_answers_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The box of all parts is another one: rows are planned again, from what is known."""
+    meshes = parts(2)
+    base = planned(scene_of(meshes))
+    met: list[Any] = []
+    looked = Mover._met
+
+    def counted(mover: Mover, *args: Any) -> Any:
+        met.append(mover.parts)
+        return looked(mover, *args)
+
+    monkeypatch.setattr(Mover, "_met", counted)
+    for by, is_known in ((-1e-3, True), (1e-3, True), (0.3, False)):
+        meshes["frame/high"] = parts(2)["frame/high"][0] + by, meshes["frame/high"][1]
+        scene = scene_of(meshes)
+        full = planned(scene)
+        met.clear()
+        run = planned(scene, base)
+        assert facts(run) == facts(full) and not any(row.is_kept for row in run)
+        assert (not met) == is_known, by
+
+
+def test_what_is_near_a_tool_is_not_in_its_way() -> None:
+    """A part that comes near to a bolt out of reach bears on no row, nor is it said to block it."""
+    meshes = parts(1)
+    meshes.update({"s0/lid": lid(0.0), "s0/more": cube((0.5, 0.5, 0.5), 0.004)})
+    rows = [{"part": "s0/cover", "keep": "s0/lid"}]
+    base = feeler.maintain(scene_of(meshes), rows, tools=driver(), threads=1)
+    meshes["s0/more"] = cube((0.1, 0.1, 0.02), 0.004)
+    run, full = (feeler.maintain(scene_of(meshes), rows, tools=driver(), previous=last) for last in (base, None))
+    assert run[0].is_kept and facts(run) == facts(full) and run[0].blockers == ("s0/lid",)
 
 
 def test_damaged_answers_are_a_hint_and_no_wrong_row(tmp_path: Path) -> None:

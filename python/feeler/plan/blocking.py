@@ -60,6 +60,8 @@ SHANK_PLAY = 1.12
 bolts."""
 UNDER_NUT = 0.15
 """Depth below a nut, in diameters, at which the part that it bears on is sought."""
+ROOM_STEPS = 32
+"""Casts go to the sides of a box of which a part of this many is a step: it stays where outer parts move a little."""
 _SIDES = 16
 
 
@@ -302,8 +304,9 @@ class Mover:
         self._given: list[Floats] = [] if asked is None else list(np.atleast_2d(np.asarray(asked, dtype=np.float64)))
         self._facts = [graph.overlap, [PartNumber(part) for part in sorted(self.passed)]]
         lines = [each.tolist() for each in (*self._given, *graph.axes)]
-        self._box = [each.tolist() for each in box_of_parts(self.question.scene)]
-        rows, *sets = self._recalled("directions", [lines, self._box], self._looked)
+        self._corners = box_of_parts(self.question.scene)
+        box = [each.tolist() for each in self._corners]
+        rows, *sets = self._recalled("directions", [lines, box], self._looked)
         self.opposing = {tuple(direction): set(parts) for direction, parts in rows}
         """The directions to try, in their order, and the touching parts against each; none of another shape."""
         self.seats, self.flush, self.doubtful = sets[0], set(sets[1]), set(sets[2])
@@ -397,7 +400,8 @@ class Mover:
         """All other parts that block a direction, up to a distance, metres; `None` if a kept part does, if there are
         more than `most`, or if the time is up."""
         sets = (self.opposed(direction), self.seats, self.flush, self.doubtful)
-        facts = [list(direction), far if math.isfinite(far) else None, self._box, *map(_numbers, sets)]
+        far = min(far, self._far(direction))
+        facts = [list(direction), far, *map(_numbers, sets)]
         told = self._recalled(
             "along", facts, lambda: self._met(direction, most, far), lambda told: self._found(told, most)[1]
         )
@@ -425,7 +429,7 @@ class Mover:
             found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
         first, hits = _numbers(found), list[PartNumber]()
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
-        pose, end = np.eye(4), self._moved(direction, min(far, self._way_out(direction)))
+        pose, end = np.eye(4), self._moved(direction, far)
         while not found & kept and len(found) <= most and self.graph.clock.goes_on():
             self.graph.clock.look()
             ignore = [("*", sorted(passed))] if passed else None
@@ -446,7 +450,7 @@ class Mover:
         """The parts that it enters deeper along a direction than at the start, by samples."""
         left = sorted(parts)
         found: set[int] = set()
-        way = self._way_out(direction)
+        way = self._far(direction)
         at_start = self._depths(left, np.eye(4)) if left else {}
         for share in DEPTH_SHARES:
             if not left or share * self.size > way or not self.graph.clock.goes_on():
@@ -477,10 +481,17 @@ class Mover:
     def _way_out(self, direction: Direction) -> float:
         return way_out(self.question.scene, self.tool, direction)
 
+    def _far(self, direction: Direction) -> float:
+        """How far it is cast: beyond all parts."""
+        return _out_of(*room_of(*self._corners), self.tool, direction)
+
 
 def way_out(scene: Scene, tool: Tool, direction: Direction) -> float:
     """The distance along a direction at which the box of a tool leaves the box of all parts of a scene, metres."""
-    lower, upper = box_of_parts(scene)
+    return _out_of(*box_of_parts(scene), tool, direction)
+
+
+def _out_of(lower: Floats, upper: Floats, tool: Tool, direction: Direction) -> float:
     low, high = tool.bounds
     along = np.array(direction)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -492,6 +503,15 @@ def box_of_parts(scene: Scene) -> tuple[Floats, Floats]:
     """The corners of the box of all parts of a scene."""
     boxes = scene.mockup.part_bounds.reshape(-1, 2, 3)[scene.part_mask]
     return boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+
+
+def room_of(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+    """The corners of a box around a box, on steps of a power of two, metres."""
+    size = float((upper - lower).max())
+    if not (math.isfinite(size) and size > 0.0):
+        return lower, upper
+    step = 2.0 ** math.ceil(math.log2(size / ROOM_STEPS))
+    return np.floor(lower / step) * step, np.ceil(upper / step) * step
 
 
 def _numbers(parts: Iterable[int]) -> list[PartNumber]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
-from feeler.plan.blocking import way_out
+from feeler.plan.blocking import box_of_parts, way_out
 from feeler.plan.question import Clock
 from feeler.plan.removal import Allowed, Removal, not_tried, way_from
 from feeler.plan.sequence import Exit
@@ -223,8 +223,10 @@ class Leading:
         if not self.clock.goes_on():
             return Led.of(not_tried(asked.seed))
         if asked not in self._searched.led:
-            facts = [None if asked.direction is None else list(asked.direction), asked.rounds, asked.seed]
-            told = self._left(asked.gone)._recalled(
+            left = self._left(asked.gone)
+            boxes = [each.tolist() for scene in (self.question.scene, left) for each in box_of_parts(scene)]
+            facts = [None if asked.direction is None else list(asked.direction), asked.rounds, asked.seed, boxes]
+            told = left._recalled(
                 "way", asked.parts, facts, lambda: Led.of(self.actions.ahead.way(asked, threads)).plain()
             )
             if not self.clock.goes_on():

@@ -165,7 +165,7 @@ class Memory:
 
 def carried(answers: Iterable[Answer], old: Snapshot, new: Snapshot, changes: Changes) -> Iterator[Answer]:
     """The answers of a run that can hold in the next one, as that one sees its parts."""
-    if changes.is_beyond:
+    if changes.is_other:
         return
     other = {
         key

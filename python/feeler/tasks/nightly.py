@@ -61,7 +61,7 @@ EYE_M = 0.35
 LEAST_LEFT_S = 10.0
 """Shorter times that are left are not said."""
 _UNREACHED = "no tool reaches it"
-_VERSION = 1
+_VERSION = 2
 """Of what rows mean: a row of another version is not kept."""
 
 
@@ -94,12 +94,13 @@ def maintain(
     which the search of the row asked anything, plans that it gave up included: the boxes of the moving parts and tools
     at each pose, along each cast up to what it hit, around each swing, and around each ray. A fastener also bears on
     rows that looked at what it newly holds; without tools, one with others on its axis, on rows that looked at what it
-    holds or held. A row depends on the whole mock-up if it searched a bent way; all rows do if a part now stands out of
-    the box of all parts, or if the order of the parts is another. Rows that `seconds` ended are never kept. What is
-    seen of a fastener is kept if no changed part meets the box around the eyes and it.
+    holds or held. A row depends on the whole mock-up if it searched a bent way; all rows do if the box of all parts,
+    its axes or the order of the parts are others. Rows that `seconds` ended are never kept. What is seen of a fastener
+    is kept if no changed part meets the box around the eyes and it.
 
     Rows that are computed anew ask again only what looked at a change: answers of the last run are used where the same
-    parts, unmoved, are where they looked. `save` writes them beside the run; `hints` says why they were not used.
+    parts, unmoved, are where they looked; none if parts come in another order, or the box of all is another by several
+    per cent. `save` writes them beside the run; `hints` says why they were not used.
 
     Ctrl-C raises `MaintenanceInterrupted` with the rows that are done. As `previous` of the next run they are not
     computed again, and its differences count from the run before.

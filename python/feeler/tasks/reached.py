@@ -126,6 +126,7 @@ class Reaching:
         self._enough: dict[int, int] = {}
         self._ahead: dict[tuple[int, frozenset[int]], Reached] = {}
         self._digests: dict[int, str] = {}
+        self._extents: dict[Any, tuple[float, float, float]] = {}
         self.asked = 0
         """Questions that were not answered from memory."""
 
@@ -181,13 +182,12 @@ class Reaching:
     @staticmethod
     def _between(known: dict[frozenset[int], Reached], key: frozenset[int], turns: float) -> Reached | None:
         """The answer for a set that follows from those for others."""
-        larger = {_strokes(answer, turns): (other, answer) for other, answer in known.items() if other >= key}
+        larger = {_strokes(answer, turns): answer for other, answer in known.items() if other >= key}
         if () in larger:
-            other, answer = larger[()]
-            return replace(answer, blockers=tuple(dict.fromkeys([*answer.blockers, *sorted(other - key)])))
-        smaller = [(other, answer) for other, answer in known.items() if other <= key]
-        for other, answer in smaller:
-            if _strokes(answer, turns) in larger or not (key - other).intersection(answer.blockers):
+            return larger[()]  # one of its blockers has to go, whatever else is
+        for other, answer in known.items():
+            # Without any of its blockers gone, an answer stays what it is.
+            if other <= key and (_strokes(answer, turns) in larger or not (key - other).intersection(answer.blockers)):
                 return answer
         return None
 
@@ -246,7 +246,8 @@ class Reaching:
         def ask() -> list[Any]:
             return [_Told.of(each, row).plain() for each in quickest(scene, tools, row, turns, enough)]
 
-        facts = [self._fitting(row), turns, *facts_of(row)]
+        # Tools beyond the first that is quick enough are not looked at.
+        facts = [self._fitting(row), turns, enough, *facts_of(row)]
         return [_Told.read(each) for each in scene._recalled("quickest", [row.part], facts, ask)]
 
     def _fitting(self, row: Fastener) -> str:
@@ -262,12 +263,14 @@ class Reaching:
         for held in self.tools:
             tool = seated_tool(held.tool, held.options.get("hand"), held.options.get("grip")).tool
             lift = float(held.options.get("lift", 0.0))
-            yield _room(tool, row, lift, lift, float(held.options.get("approach", APPROACH_M)))
+            yield _room(_extent(tool), row, lift, lift, float(held.options.get("approach", APPROACH_M)))
         if self.catalogue is not None:
             # The lower end of a tool is on the bearing face, in the recess, or above.
             deep = max(each for each in (row.head_height, row.length, row.size, 0.0) if math.isfinite(each))
             for pieces in self.catalogue.fitting(row.drive, row.across_flats, row.size):
-                yield _room(tool_of(pieces), row, -deep, deep, APPROACH_M)
+                if pieces not in self._extents:
+                    self._extents[pieces] = _extent(tool_of(pieces))
+                yield _room(self._extents[pieces], row, -deep, deep, APPROACH_M)
 
 
 def shape_of(tools: object, name: str) -> Tool:
@@ -298,10 +301,19 @@ def _in_the_way(answers: Sequence[_Told]) -> tuple[int, ...]:
     return tuple(sorted(counts, key=lambda part: (-counts[part], part)))
 
 
-def _room(tool: Tool, row: Fastener, lowest: float, highest: float, approach: float) -> tuple[Floats, Floats]:
+def _extent(tool: Tool) -> tuple[float, float, float]:
+    """Its largest distance from its axis, its lowest and its highest point, metres."""
+    far = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max())
+    return far, float(tool.bounds[0, 2]), float(tool.bounds[1, 2])
+
+
+def _room(
+    extent: tuple[float, float, float], row: Fastener, lowest: float, highest: float, approach: float
+) -> tuple[Floats, Floats]:
     """The box of all that a tool can meet at a fastener: turned about its axis, and on its way in."""
-    radius = float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()) + approach + NEAR_M
-    low, high = tool.bounds[0, 2] + lowest - NEAR_M, tool.bounds[1, 2] + highest + approach + NEAR_M
+    far, bottom, top = extent
+    radius = far + approach + NEAR_M
+    low, high = bottom + lowest - NEAR_M, top + highest + approach + NEAR_M
     corners = np.array([[x, y, z] for x in (-radius, radius) for y in (-radius, radius) for z in (low, high)])
     world = corners @ row.frame[:3, :3].T + row.frame[:3, 3]
     return world.min(axis=0), world.max(axis=0)

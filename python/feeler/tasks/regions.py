@@ -166,7 +166,7 @@ class Noted:
             return self.all()
         layer = self._layers[-1]
         self.ask(regions.asked)
-        if self.is_on and not layer.is_all:
+        if self.is_on and not layer.is_all and layer.is_new(regions):
             layer.boxes.extend(regions.boxes)
             layer.solids.extend(regions.solids)
             for each in regions.sweeps:
@@ -244,6 +244,13 @@ class _Layer:
         self.boxes, self.solids = _Boxes(), _Boxes()
         self._sweeps: dict[bytes, list[float]] = {}
         self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+        self._added: dict[int, Regions] = {}
+
+    def is_new(self, regions: Regions) -> bool:
+        """Whether regions were not added yet; they are taken for added. Answers are recalled again and again."""
+        known = id(regions) in self._added
+        self._added[id(regions)] = regions
+        return not known
 
     def sweep(self, boxes: Floats, way: Floats) -> None:
         """Boxes that move straight; those of the same boxes along one line become one."""

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
+from feeler.plan.blocking import room_of
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.frames import scene_axes
 from feeler.scene import Scene
@@ -177,6 +178,9 @@ class Changes(Sequence[MaintainChange]):
         self.is_beyond = is_mixed or not is_same_box or old.axes != new.axes
         """Whether it bears on all rows: parts come in another order, or the box of all or its axes are others, by which
         directions are put in order."""
+        rooms = [np.stack(room_of(*each.bounds)) for each in (old, new)]
+        self.is_other = is_mixed or not np.array_equal(rooms[0], rooms[1], equal_nan=True)
+        """Whether it bears on all answers: parts come in another order, or casts end elsewhere."""
         self._beside = {**old.parts, **new.parts}
 
     def __len__(self) -> int:

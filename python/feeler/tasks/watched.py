@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.parts import PartsLike
+from feeler.plan.blocking import room_of
 from feeler.plan.removal import Removal
 from feeler.poses import one_pose
 from feeler.scene import CAST_TOLERANCE, Scene
@@ -68,7 +69,7 @@ class WatchedScene(Scene):
         selected = _core.Scene._selected_without(scene, [])
         made = _core.Scene.__new__(cls, selected)
         made.build_seconds, made._given = 0.0, scene._given
-        made._noted = Noted(*box_of(scene.mockup.part_bounds.reshape(-1, 2, 3)))
+        made._noted = Noted(*room_of(*box_of(scene.mockup.part_bounds.reshape(-1, 2, 3)[scene.part_mask])))
         made._recall = recall
         return made
 
