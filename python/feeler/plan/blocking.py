@@ -163,6 +163,12 @@ class BlockingGraph:
             self._exits[node] = undominated([*self._exits[node], self._named(more)])
         return self._exits[node]
 
+    def blockers_within(self, node: int, direction: Direction, far: float) -> frozenset[int] | None:
+        """The parts that block one of the directions of a part up to a distance, metres; None if a kept one does, or if
+        its exits were not computed here. Flush parts that it only crosses by rounding are none."""
+        source = self._sources.get(node)
+        return None if source is None else source.within(direction, far)
+
     def directions(self, node: int) -> list[Direction]:
         """The directions of a part, if its exits were computed here."""
         source = self._sources.get(node)
@@ -259,6 +265,10 @@ class _Source:
     def opposing(self) -> list[set[int]]:
         """The parts that touch it against each direction, if there are any."""
         return [] if self._mover is None else [each for each in self._mover.opposing.values() if each]
+
+    def within(self, direction: Direction, far: float) -> frozenset[int] | None:
+        """See `BlockingGraph.blockers_within`."""
+        return None if self._mover is None else self._mover.blockers(direction, self._most, far)
 
     def widen(self, most: int) -> None:
         """Begins anew, with directions of up to `most` blockers."""

@@ -186,14 +186,12 @@ class Leading:
             return True
         gone = self.actions.gone(out)
         parts = [part for part in self.question.parts_of([item]) if part not in gone]
-        rest = self.question.scene.without([*parts, *gone])
-        tool = Tool.of_parts(self._mockup, parts)
-        far = PLAY_SHARE * float(np.linalg.norm(tool.bounds[1] - tool.bounds[0]))
-        for direction in self.actions.graph.directions(item):
+        bounds = Tool.of_parts(self._mockup, parts).bounds
+        far, graph = PLAY_SHARE * float(np.linalg.norm(bounds[1] - bounds[0])), self.actions.graph
+        for direction in graph.directions(item):
             self.clock.look()
-            pose = np.eye(4)
-            pose[:3, 3] = far * np.array(direction)
-            if rest.cast(tool, np.eye(4), pose, touching="free") is None:
+            blockers = graph.blockers_within(item, direction, far)
+            if blockers is not None and blockers <= gone:
                 return True
         return False
 
