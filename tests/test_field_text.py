@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from feeler.clashes.rules import Rules
 from feeler.cli.inputs import read_path, read_poses
 from feeler.io import load_mockup
 from feeler.io.sniff import identify
+from feeler.io.text import text_of
 from feeler.workbench.document.findings import read_findings
 
 
@@ -300,3 +302,10 @@ def test_obj_counts_by_name_what_is_no_triangle(tmp_path, monkeypatch, chunk_byt
 def test_obj_that_ends_in_a_face(tmp_path, cut, is_doubtful):
     doubts = load_mockup(save(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n" + cut)).report.source.doubts
     assert [doubt.startswith("the last line is a face") for doubt in doubts] == [True] * is_doubtful
+
+
+def test_a_binary_file_is_no_text(tmp_path: Path) -> None:
+    file = tmp_path / "mesh.toml"
+    file.write_bytes(b"glTF\x02\x00\x00\x00\xff\xfe\x80")
+    with pytest.raises(LoadError, match="is no text file"):
+        text_of(file)

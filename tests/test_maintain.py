@@ -324,6 +324,7 @@ def test_lists_are_checked(tmp_path: Path) -> None:
         ("", "it is empty"),
         ("part\n", "names no part"),
         ("name\ns0/cover\n", "line 1: the column 'name' is unknown"),
+        ("part;keep\ns0/cover;\n", "line 1: its columns are separated by ';'"),
         ("keep\ns0/cover\n", "line 1: the columns are"),
         ("part,part\ns0/cover,\n", "line 1: the columns are"),
         ("part,people\n\ns0/cover,two\n", "line 3: people is 'two'"),

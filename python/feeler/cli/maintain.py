@@ -118,7 +118,9 @@ def maintain(
     # --previous may be saved in place.
     outputs.check_targets({"html": html, "xlsx": xlsx, "save": save}, _ENDINGS, [*mockup, parts, tools, times])
     words = _words(fail_on)
-    if (parts is None) == (not part):
+    if parts is not None and part:
+        raise OptionError("--parts and --part both say which parts: give one of them")
+    if parts is None and not part:
         raise OptionError("nothing says which parts: give a list, --parts FILE.csv, or --part PATTERN")
     if tools is not None and (tool or grip is not None):
         raise OptionError("--tools has all tools: leave out --tool and --grip")

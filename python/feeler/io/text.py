@@ -86,6 +86,8 @@ def utf8_text(data: bytes, path: Path) -> str:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
+        if b"\0" in data:
+            raise LoadError(f"{path} is no text file: give one of text, in UTF-8") from None
         number = data.count(b"\n", 0, error.start)
         line = name_text(data.split(b"\n")[number].strip())[:_LINE_SHOWN]
         raise LoadError(

@@ -86,6 +86,8 @@ def _read(file: Path) -> list[_Line]:
     first, heads = filled[0]
     heads = [head.lower() for head in heads]
     for head in heads:
+        if ";" in head:
+            raise LoadError(f"{file}, line {first}: its columns are separated by ';': separate them by commas")
         if head not in COLUMNS:
             raise LoadError(f"{file}, line {first}: the column {head!r} is unknown: {near(head, COLUMNS)}")
     if "part" not in heads or len(set(heads)) < len(heads):

@@ -173,6 +173,13 @@ def _forced(
         ahead = frozenset(question.node_of(part) for part in first)
         for item in {question.node_of(part) for part in second}:
             found[item] = found.get(item, frozenset()) | ahead
+    left = dict(found)
+    while free := [item for item, ahead in left.items() if not ahead & left.keys()]:
+        for item in free:
+            del left[item]
+    if left:
+        paths = sorted({scene.mockup.part_paths[part] for item in left for part in question.parts_of([item])[:1]})
+        raise OptionError(f"before goes in a circle: {', '.join(map(repr, paths))} wait for each other")
     return found
 
 
@@ -595,4 +602,7 @@ class _Planner:
         if item in actions.met:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
         answer = actions.answer(item, frozenset())
+        if answer.tooled:
+            first = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
+            return TaskBlocker(path, "what has to go before it does not come out", tuple(paths[part] for part in first))
         return TaskBlocker(path, f"no tool reaches it: {answer.because}", tuple(paths[p] for p in answer.blockers))

@@ -259,7 +259,8 @@ def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
             raise ValueError("it is a list or a single value")
         run = Maintenance._from_dict(data)
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        said = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+        said = "a value in it is of another kind" if isinstance(error, (TypeError, AttributeError)) else str(error)
+        said = f"{error} is missing" if isinstance(error, KeyError) else said
         raise LoadError(f"{file} is no run of feeler maintain: {said}; give a file that --save wrote") from None
     if "answers" in data:
         run.answers, run.hints = _answers_beside(file, str(data["answers"]), list(run.snapshot.parts))

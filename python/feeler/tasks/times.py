@@ -245,7 +245,9 @@ def _element(name: str, value: object) -> Element:
     pair = [value, 0.0] if isinstance(value, (int, float)) else value
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise OptionError(f"{name} is {shown(value)}: give seconds, or [mean, spread]")
-    mean, spread = (check_number(name, each, "seconds, 0 or more", least=0.0, most=LONGEST_S) for each in pair)
+    mean, spread = (
+        check_number(name, each, f"seconds, 0 to {LONGEST_S:,.0f}", least=0.0, most=LONGEST_S) for each in pair
+    )
     return Element(mean, spread)
 
 
