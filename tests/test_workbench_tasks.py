@@ -6,6 +6,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from feeler.workbench.report.content import report_of
 from feeler.workbench.report.source import of_book
 from feeler.workbench.report.values import Media
 from feeler.workbench.session import cards as session_cards
+from feeler.workbench.session import task_answers
 from feeler.workbench.session.answering import Answered, Asked, kept_answer
 from feeler.workbench.session.record import digest, read_record
 from feeler.workbench.session.replaying import replay
@@ -76,6 +78,25 @@ def steps(bench: Bench, number: int) -> list[dict[str, Any]]:
 def order(bench: Bench, number: int) -> list[str]:
     answered(bench, number)
     return [NAMES[step["part"]] for step in steps(bench, number)]
+
+
+def test_steps_whose_way_was_not_tried_stand_where_their_parts_are(
+    world: feeler.Mockup, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the time limit a task has steps, without ways."""
+    planned = task_answers.planned
+
+    def cut(*given: Any, **more: Any) -> feeler.Task:
+        plan = planned(*given, **more)
+        steps = tuple(replace(step, way=np.empty((0, 4, 4))) for step in plan.steps)
+        return replace(plan, is_found=False, is_complete=False, steps=steps)
+
+    monkeypatch.setattr(task_answers, "planned", cut)
+    bench = bench_of(world)
+    number = asked(bench)
+    answer = bench.session.ask("card", {"id": number}) or {}
+    assert not card_of(bench, number).is_good and len(answer["task"]["steps"]) == len(answer["ways"]) > 2
+    assert all(way["poses"] == [np.eye(4).ravel().tolist()] and way["length"] == 0.0 for way in answer["ways"])
 
 
 def test_a_task_is_planned_in_steps_with_tools_and_times(world: feeler.Mockup) -> None:

@@ -46,7 +46,8 @@ def task(served: Served, given: Given, job: Job) -> Answer:
         job.limit(given["seconds"])
         options: dict[str, Any] = {"seconds": SECONDS * given["seconds"], "progress": job.progress}
         try:
-            return plan(scene, wanted, tools, times, keep, given["people"], **options), True
+            task = plan(scene, wanted, tools, times, keep, given["people"], **options)
+            return task, task.is_found or task.is_complete  # more time may find more
         except TaskInterrupted as stop:
             return stop.task, False
 

@@ -64,7 +64,7 @@ def task_answer(asked: Asked, progress: Progress) -> Answered:
         "blocked": [_blocker(each, numbers) for each in found.blocked],
         "notes": list(found.notes),
     }
-    ways = tuple(Way(step.parts, tuple(motion.row(pose) for pose in step.way), None) for step in found.steps)
+    ways = tuple(Way(step.parts, _rows(step), None) for step in found.steps)
     rows = tuple(_way_facts(asked.mockup, way, step) for way, step in zip(ways, found.steps, strict=True))
     said = found.said[:1].upper() + found.said[1:].replace("+-", "±")
     return Answered(f"{said}.", found.is_found, ways, rows, facts=_totals(found), task=facts)
@@ -106,6 +106,11 @@ def _step(step: TaskStep, numbers: Mapping[str, int], edits: TaskEdits) -> TaskS
         "arithmetic": step.arithmetic,
         "is_typed": any(path == step.part for path, _ in edits.times),
     }
+
+
+def _rows(step: TaskStep) -> tuple[motion.Row, ...]:
+    """The way of a step; where the part is, if the time ended before its way was tried."""
+    return tuple(motion.row(pose) for pose in (step.way if len(step.way) else np.eye(4)[None]))
 
 
 def _blocker(row: TaskBlocker, numbers: Mapping[str, int]) -> TaskBlockerFacts:
