@@ -133,7 +133,7 @@ DOCUMENT: protocol.DocumentFields = {
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
             **{"is_good": None, "is_stale": False, "line": None, "is_earlier": False},
-            "edits": {"off": ["lid"], "times": [("bolt", 9.5)], "before": [("a", "b")]},
+            "edits": {"off": ["lid"], "times": [("bolt", 9.5)], "before": [("a", "b")], "table": "0a"},
         }
     ],
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},
@@ -142,6 +142,7 @@ DOCUMENT: protocol.DocumentFields = {
     "doubts": ["mock-up: 743 m long"],
     "mechanism": None,
     "joint_ranges": [],
+    "task_times": {"name": "times.toml", "given": 3},
     "on_joint": None,
 }
 OPENS: openings.Opens = {
