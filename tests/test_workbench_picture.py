@@ -51,8 +51,8 @@ def tool_place(page: Any) -> tuple[float, float, float]:
 def test_the_tool_is_seen_at_the_start_and_its_handles_stand_beside_it(context: Any, stand: Path, cube: Path) -> None:
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
-        settled(page)
         wait(page, "() => window.feeler.state !== null")
+        settled(page)
         assert page.evaluate("() => window.feeler.state.is_free && window.feeler.touched.length === 0")
         x, y, z = tool_place(page)
         corners = [
@@ -64,9 +64,14 @@ def test_the_tool_is_seen_at_the_start_and_its_handles_stand_beside_it(context: 
         left, top, right, bottom = area(page, "#picture")
         assert all(left < u < right and top < v < bottom for u, v in corners), "all of it is in the picture"
         tool = (*np.min(corners, axis=0), *np.max(corners, axis=0))
+        # The handles stand where the tool is until its picture has come.
+        beside = """([left, top, right, bottom]) => {
+            const box = document.querySelector(".gizmo").getBoundingClientRect();
+            const x = (box.left + box.right) / 2, y = (box.top + box.bottom) / 2;
+            return !(left < x && x < right && top < y && y < bottom);
+        }"""
+        wait(page, beside, [float(each) for each in tool])
         gizmo = area(page, ".gizmo")
-        middle = (gizmo[0] + gizmo[2]) / 2, (gizmo[1] + gizmo[3]) / 2
-        assert not tool[0] < middle[0] < tool[2] or not tool[1] < middle[1] < tool[3]
         assert left <= gizmo[0] and gizmo[2] <= right and top <= gizmo[1] and gizmo[3] <= bottom, "not cut by the frame"
         keep(page.screenshot(), "start.png")
         # Its arrow, dragged there, moves the tool: up, as the screen has it.
