@@ -478,3 +478,33 @@ def test_a_plug_is_undone_for_its_sealing_ring() -> None:
     for wanted in ("seal", "plug"):
         (step,) = feeler.task(feeler.Scene(mockup), wanted).steps
         assert step.verb == "undo" and sorted(step.paths) == ["plug", "seal"]
+
+
+@pytest.mark.parametrize("name", ["shim", "washer", "part 7"])
+def test_rings_between_parts_are_held_and_no_washers(name: str) -> None:
+    """Only rings between a head, or a nut, and the first other part leave with the fastener."""
+    threaded = {
+        "bolt": plain(hardware.hex_bolt(SIZE, 0.03, USUAL), at(z=0.0116)),
+        "head washer": ring(0.0042, 0.01, 0.0116, 0.008),
+        "plate": ring(CLEAR, 0.001, 0.01),
+        name: ring(0.0043, 0.0, 0.001, 0.01),
+        "case": ring(FITTED, -0.03, 0.0),
+        "lump": box((0.1, 0.0, 0.0), (0.11, 0.01, 0.01)),
+    }
+    mockup = tilted(threaded, 4)
+    row = only(feeler.holds(mockup), "bolt")
+    assert (row.paths, row.washers, row.anchor_path) == (("plate", name), (1,), "case")
+    plan = feeler.task(feeler.Scene(mockup), "plate", keep="case")
+    assert [sorted(step.paths) for step in plan.steps] == [["bolt", "head washer"], ["plate"]]
+    through = {
+        "bolt": bolt(0.03),
+        "upper": ring(CLEAR, -0.01, 0.0),
+        name: ring(0.0043, -0.011, -0.01, 0.01),
+        "lower": ring(CLEAR, -0.02, -0.011),
+        "foot washer": ring(0.0042, -0.0216, -0.02, 0.008),
+        "nut": nut(-0.0216),
+    }
+    found = feeler.holds(tilted(through, 5))
+    for fastener in ("bolt", "nut"):
+        row = only(found, fastener)
+        assert (set(row.paths), row.washers) == ({"upper", name, "lower"}, (4,)), row.because
