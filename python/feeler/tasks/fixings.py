@@ -15,7 +15,7 @@ from feeler.scene import PartNumber, Scene
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
-from feeler.tasks.threads import nominal
+from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]

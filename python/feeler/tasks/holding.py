@@ -19,7 +19,7 @@ from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
-from feeler.tasks.threads import thread_size
+from feeler.tasks.thread_sizes import thread_size
 
 Floats = npt.NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from feeler._core import Rays
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
-from feeler.tasks.threads import thread_size
+from feeler.tasks.thread_sizes import thread_size
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
