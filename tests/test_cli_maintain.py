@@ -51,7 +51,7 @@ def test_what_is_wrong_is_said(engine: Path, tmp_path: Path) -> None:
     asked = ["maintain", engine]
     assert "give a list" in error_of(*asked)
     one = [*asked, "--part", "s0/cover"]
-    assert "give a list" in error_of(*one, "--parts", tmp_path / "lru.csv")
+    assert "give one of them" in error_of(*one, "--parts", tmp_path / "lru.csv")
     assert "do you mean slower" in error_of(*one, "--fail-on", "slow")
     assert "leave out --tool" in error_of(*one, "--tools", "built-in", "--tool", "sample:wrench")
     assert "--grip is of tools" in error_of(*one, "--grip", "z")
