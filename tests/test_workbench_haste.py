@@ -56,6 +56,7 @@ def test_keys_that_switch_something_do_so_at_each_press(context: Any, stand: Pat
 def test_undo_at_once_after_a_drag_takes_the_drag_back(context: Any, stand: Path, cube: Path) -> None:
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
+        start = document(page)["pose"][11]
         page.evaluate("() => window.feeler.moveTo([1,0,0,0, 0,1,0,0, 0,0,1,0.3, 0,0,0,1])")
         page.locator("#picture").focus()
         page.keyboard.press("g")
@@ -63,7 +64,6 @@ def test_undo_at_once_after_a_drag_takes_the_drag_back(context: Any, stand: Path
         page.keyboard.type("50")
         press(page, "Enter", "Ctrl+z")
         # The hand goes back to where it was put down before, and redo knows where it was.
-        start = document(page)["pose"][11]
         wait(page, "start => Math.abs(window.feeler.pose[11] - start) < 1e-9", start)
         press(page, "Ctrl+y")
         wait(page, "() => Math.abs(window.feeler.document.pose[11] - 0.35) < 1e-9")
