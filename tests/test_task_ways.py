@@ -144,6 +144,23 @@ def _axes(scene: feeler.Scene) -> list[list[Floats]]:
     return [scene_axes(scene), *(part_axes(meshes.corners(part)) for part in (3, 4))]
 
 
+def test_a_round_gasket_leaves_sideways_in_any_pose() -> None:
+    """Between the bolts of its flange, of which the one in its way goes first; nothing here has a side."""
+    low, high = [(0.03, -0.02), (0.08, -0.02), (0.08, 0.0), (0.03, 0.0)], [(0.03, 0.0), (0.08, 0.0), (0.08, 0.02)]
+    parts = {
+        "low": lathe(low),
+        "up": lathe([(r, z + 0.002) for r, z in [*high, (0.03, 0.02)]]),
+        "gasket": lathe([(0.031, 0.00002), (0.045, 0.00002), (0.045, 0.00198), (0.031, 0.00198)]),
+    }
+    pin = lathe([(0.0, 0.0001), (0.004, 0.0001), (0.004, 0.0019), (0.0, 0.0019)], 12)
+    for n in range(4):
+        aside = 0.06 * np.array([math.cos(n * math.pi / 2 + 0.3), math.sin(n * math.pi / 2 + 0.3), 0.0])
+        parts[f"pin_{n}"] = (pin[0] + aside, pin[1])
+    for turn in (None, turn_of(1), turn_of(2)):
+        task = feeler.task(scene_of(parts, turn), "gasket", keep=["low", "up"])
+        assert [step.paths[-1] for step in task.steps][1:] == ["gasket"] and task.seconds == task.bound
+
+
 def test_a_part_that_goes_up_and_then_sideways_needs_no_others_out() -> None:
     rim = [box((x, -0.03, 0.0), (x + 0.002, 0.03, 0.004)) for x in (-0.032, 0.03)]
     rim += [box((-0.03, y, 0.0), (0.03, y + 0.002, 0.004)) for y in (-0.032, 0.03)]

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
-from feeler.plan.frames import part_axes, scene_axes
+from feeler.plan.frames import across_axis, distinct, part_axes, round_axis, scene_axes
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
@@ -39,6 +39,9 @@ OPPOSED = 1e-3
 MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 26
 """Contact normals, those that come before the directions along two, and directions, per part. A larger value finds more
 motions of crowded parts, and takes longer."""
+BESIDE_SHARE, MOST_BESIDE = 0.1, 6
+"""Round parts look for what stands around them within this share of their size, and leave in at most so many directions
+to it."""
 MOST_BLOCKERS = 24
 """A direction with more blockers is dropped: there are shorter sequences, or none."""
 FEW_BLOCKERS = 4
@@ -368,7 +371,7 @@ class Mover:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
                 normals.append(normal)
         normals = normals[:MOST_NORMALS]
-        own = part_axes(np.concatenate([self.graph.meshes.corners(part) for part in self.parts]))
+        own = self._own_axes()
         axes = self.graph.fastener_axes(self.parts)
         across = [np.cross(one, other) for one, other in combinations(normals, 2)]
         lines = [
@@ -395,6 +398,26 @@ class Mover:
         # To a micrometre: in another pose ways that are as long differ by rounding.
         order = sorted(chosen, key=lambda each: (len(self._opposed(each)), round(self._way_out(each), 6)))
         return order, rounding
+
+    def _own_axes(self) -> list[Floats]:
+        """The axes of its own faces. A round part has one; it also has lines to what stands around it, such as the
+        bolts of its flange, between which it may leave, and two that are fixed to its own corners."""
+        corners = np.concatenate([self.graph.meshes.corners(part) for part in self.parts])
+        found = part_axes(corners)
+        axis = round_axis(found)
+        if axis is None:
+            return found
+        middle, lines = corners.mean(axis=(0, 1)), across_axis(axis, corners[:, 0])
+        near = self.rest.clearance(self.tool, np.eye(4), BESIDE_SHARE * self.size)
+        to_parts: list[tuple[int, int, Floats]] = []
+        for part in {int(part) for part in near.parts}:
+            line = self.graph.meshes.corners(part).mean(axis=(0, 1)) - middle
+            line -= float(line @ axis) * axis
+            far = float(np.linalg.norm(line))
+            if far > BESIDE_SHARE * self.size:
+                to_parts.append((round(far * 1e6), part, line / far))
+        to_parts.sort(key=lambda each: each[:2])
+        return distinct([*found, *lines, *(line for _, _, line in to_parts[:MOST_BESIDE])])
 
     def opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction."""

@@ -19,6 +19,10 @@ ISOLATED = 0.02
 """The least difference of a moment of normals from the others: then its axis, such as that of a cylinder, is sure."""
 MOST_FACES = 4_000
 """Of a scene, or of a larger part, the faces of the most area are looked at."""
+ALONG = 0.999
+"""Lines with at least this cosine have one direction: a part that has no other is round."""
+WELL_BESIDE = 0.6
+"""The first corner that is as far from the axis as this share of the farthest one: rounding does not choose it."""
 SAME_AXIS = 1.0 - 1e-8
 """An axis with this cosine to one of the world is that one: 0.1 mrad."""
 _SEEDS = 12
@@ -41,9 +45,26 @@ def part_axes(corners: Floats) -> list[Floats]:
     return distinct(found)
 
 
+def round_axis(axes: list[Floats]) -> Floats | None:
+    """The axis of a part that has no other: of a ring, a disc, a shaft. None: it has several, or none."""
+    return axes[0] if axes and all(abs(float(axes[0] @ other)) >= ALONG for other in axes[1:]) else None
+
+
+def across_axis(axis: Floats, points: Floats) -> list[Floats]:
+    """Two units across an axis, the first towards a point: the first `(n, 3)` that is well beside the mean of all."""
+    aside = points - points.mean(axis=0)
+    aside -= np.outer(aside @ axis, axis)
+    far = np.linalg.norm(aside, axis=1)
+    if not far.max(initial=0.0) > 0.0:
+        return []
+    first = aside[int(np.argmax(far >= WELL_BESIDE * far.max()))]
+    first = first / np.linalg.norm(first)
+    return [first, np.cross(axis, first)]
+
+
 def scene_axes(scene: Scene) -> list[Floats]:
-    """Three axes of a scene: of the planes of the most area, the next across the first; those of the world where there
-    are none."""
+    """Three axes of a scene: of the planes of the most area, the next across the first. Where there are none, by the
+    corners in their order, so that a scene in another pose has the same ones, turned."""
     mockup = scene.mockup
     faces = mockup.faces[scene.part_mask[mockup.part_of_face]]
     faces = faces[(faces < len(mockup.vertices)).all(axis=1)]
@@ -54,7 +75,16 @@ def scene_axes(scene: Scene) -> list[Floats]:
             found.append(line)
     if len(found) == 2:
         found.append(np.cross(found[0], found[1]))
-    return distinct([*found[:3], *([] if len(found) == 3 else np.eye(3))])
+    corners = mockup.vertices[faces[:, 0]]
+    if not found and len(corners):
+        away = corners - corners.mean(axis=0)
+        lengths = np.linalg.norm(away, axis=1)
+        if lengths.max() > 0.0:
+            first = int(np.argmax(lengths >= WELL_BESIDE * lengths.max()))
+            found.append(away[first] / lengths[first])
+    if len(found) == 1:
+        found += across_axis(found[0], corners)
+    return distinct([*found[:3], *([] if len(found) >= 3 else np.eye(3))])
 
 
 def distinct(lines: list[Floats]) -> list[Floats]:
