@@ -161,6 +161,21 @@ def test_a_round_gasket_leaves_sideways_in_any_pose() -> None:
         assert [step.paths[-1] for step in task.steps][1:] == ["gasket"] and task.seconds == task.bound
 
 
+def test_pins_leave_holes_of_their_diameter_in_any_pose() -> None:
+    """Their facets are flush all around: by rounding some cross, as edges of any normal."""
+    hole = [(0.003, 0.0), (0.02, 0.0), (0.02, 0.01), (0.003, 0.01)]
+    parts = {
+        "base": lathe(
+            [(r, z - 0.0102) for r, z in [(0.0, -0.001), (0.02, -0.001), *hole[2:], (0.003, 0.001), (0.0, 0.001)]]
+        ),
+        "cover": lathe(hole),
+        "pin": lathe([(0.0, -0.009), (0.003, -0.009), (0.003, 0.008), (0.0, 0.008)]),
+    }
+    for seed in range(8):
+        task = feeler.task(scene_of(parts, turn_of(seed)), "pin")
+        assert [step.paths for step in task.steps] == [("pin",)], seed
+
+
 def test_a_part_that_goes_up_and_then_sideways_needs_no_others_out() -> None:
     rim = [box((x, -0.03, 0.0), (x + 0.002, 0.03, 0.004)) for x in (-0.032, 0.03)]
     rim += [box((-0.03, y, 0.0), (0.03, y + 0.002, 0.004)) for y in (-0.032, 0.03)]

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
-from feeler.plan.frames import across_axis, distinct, part_axes, round_axis, scene_axes
+from feeler.plan.frames import across_axis, distinct, is_face_normal, part_axes, round_axis, scene_axes
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
@@ -426,8 +426,24 @@ class Mover:
     def _opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
         against = self.contacts.normals @ np.array(direction) < -OPPOSED
-        touching = np.abs(self.contacts.gaps) <= TOUCH_M
-        return set(self.contacts.parts[against & touching].tolist()) - self.passed
+        return set(self.contacts.parts[against & self._is_reliable].tolist()) - self.passed
+
+    @cached_property
+    def _is_reliable(self) -> npt.NDArray[np.bool_]:
+        """`(k,)`, of each contact: whether it touches, and its normal is sure. Edges that cross by rounding alone, as
+        those of a pin do in a hole of its diameter, have any normal; casts say whether their parts are in the way."""
+        contacts = self.contacts
+        sure = np.abs(contacts.gaps) <= TOUCH_M
+        sides = (
+            (contacts.mockup_triangles, contacts.mockup_offsets, self.rest.mockup),
+            (contacts.tool_triangles, contacts.tool_offsets, self.tool),
+        )
+        for row in np.flatnonzero(sure & (contacts.gaps < 0.0)):
+            sure[row] = any(
+                is_face_normal(contacts.normals[row], mesh.vertices[mesh.faces[of[offsets[row] : offsets[row + 1]]]])
+                for of, offsets, mesh in sides
+            )
+        return sure
 
     def blockers(self, direction: Direction, most: int, far: float = math.inf) -> frozenset[int] | None:
         """All other parts that block a direction, up to a distance, metres; `None` if a kept part does, if there are

@@ -99,6 +99,11 @@ def distinct(lines: list[Floats]) -> list[Floats]:
     return found
 
 
+def is_face_normal(line: Floats, corners: Floats) -> bool:
+    """Whether a unit is along the normal of one of some triangles `(k, 3, 3)`."""
+    return bool((np.abs(_normals(corners)[0] @ line) >= SAME_PLANE).any())
+
+
 def _normals(corners: Floats) -> tuple[Floats, Floats]:
     """Units `(k, 3)`, and areas."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
