@@ -480,6 +480,23 @@ def test_a_plug_is_undone_for_its_sealing_ring() -> None:
         assert step.verb == "undo" and sorted(step.paths) == ["plug", "seal"]
 
 
+@pytest.mark.parametrize("washed", [False, True])
+@pytest.mark.parametrize("stub", [0.004, 0.006])
+def test_a_nut_on_a_shaft_holds_the_wheel_that_it_bears_on(washed: bool, stub: float) -> None:
+    shaft = joined(ring(0.001, -0.04, 0.0, 0.012), ring(0.001, 0.0, 0.038, stub), ring(0.001, 0.038, 0.062, 0.004))
+    top = 0.0415 if washed else 0.04
+    parts = {
+        "shaft": shaft,
+        "wheel": ring(stub + 0.00002, 0.00002, 0.04, 0.03),
+        **({"washer": ring(0.0042, 0.04, top, 0.008)} if washed else {}),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=top)),
+        "lump": box((0.1, 0.0, 0.0), (0.11, 0.01, 0.01)),
+    }
+    mockup = tilted(parts, 5)
+    row = only(feeler.holds(mockup), "nut")
+    assert (row.paths, row.washers, row.anchor_path) == (("wheel",), (2,) if washed else (), "shaft"), row.because
+
+
 @pytest.mark.parametrize("name", ["shim", "washer", "part 7"])
 def test_rings_between_parts_are_held_and_no_washers(name: str) -> None:
     """Only rings between a head, or a nut, and the first other part leave with the fastener."""

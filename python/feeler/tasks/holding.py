@@ -374,6 +374,9 @@ class _Holding:
             below = [part for part in under(self.bare, nut, 0.1 * nut.size) if part != _part(anchor)]
             held = [Passed(part, 0.0, 0.0, 0.0) for part in below]
         held, washers = self._without_washers(nut, held)
+        if not held:
+            # The hub of a wheel is wider than the thread that the nut is on.
+            held = [each for each in self._borne(nut, washers) if each.part != _part(anchor)]
         said = "nothing is in its bore" if anchor is None else f"its thread is on {self._name(anchor.part)}"
         return self._held(nut, held, washers, _part(anchor), (), said)
 

@@ -273,8 +273,9 @@ def under(scene: Scene, row: Fastener, within: float) -> list[int]:
         return []
     wide = row.across_flats if np.isfinite(row.across_flats) and row.across_flats > row.size else 1.2 * row.size
     radius = 0.25 * (row.size + wide)
-    origins = row.frame[:3, 3] - height * row.axis + radius * (_ring() @ row.frame[:3, :3].T)
-    hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=within)
+    play = _SEAT * row.size  # what is flush is in it by rounding
+    origins = row.frame[:3, 3] + (play - height) * row.axis + radius * (_ring() @ row.frame[:3, :3].T)
+    hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=play + within)
     names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
     return [int(name) for name, count in zip(names, counts, strict=True) if count >= _MOST * _AROUND]
 
