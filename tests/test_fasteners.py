@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from fastener_truth import sample_and_truth, scores, without_names
+from point_depths import quartered
 from shapes import at, box, cube, joined, mockup_of
 
 import feeler
@@ -113,6 +114,20 @@ def test_a_nut_points_away_from_the_joint(tolerance: Tolerance, is_under: bool) 
     (row,) = feeler.find_fasteners(feeler.Scene(mockup).without("plate"))
     assert row.part == 0
     assert not feeler.find_fasteners(feeler.Scene(mockup).without("nut"))
+
+
+def test_a_finely_cut_nut_has_no_slots() -> None:
+    nut = hardware.nut(0.008, USUAL)
+    triangles = quartered(nut.vertices[nut.faces])
+    cut = Mesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles), dtype=np.int32).reshape(-1, 3))
+    for low, high in ((-0.01, -1e-4), (0.0064 + 1e-4, 0.02)):
+        found = [
+            feeler.find_fasteners(
+                mockup_of({"nut": placed(mesh, tilted(5)), "plate": placed(Mesh(*plate_under(low, high)), tilted(5))})
+            )[0]
+            for mesh in (nut, cut)
+        ]
+        assert np.allclose(found[0].axis, found[1].axis, atol=1e-9) and found[1].kind == "nut"
 
 
 def test_a_flanged_nut_has_its_flange_on_the_joint() -> None:

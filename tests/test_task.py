@@ -263,6 +263,7 @@ def test_turns_are_length_over_pitch(size: float, engaged: float, turns: float) 
         assert found.count == pytest.approx(10.0)
     else:
         assert found.count == pytest.approx(turns)
+    assert strokes_for(20.0000001, 360.0) == 20  # by rounding of single precision
     assert strokes_for(2.5, 90.0) == 10 and strokes_for(2.5, 360.0) == 3 and strokes_for(0.0, 60.0) == 1
 
 

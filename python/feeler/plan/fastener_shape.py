@@ -592,8 +592,10 @@ def _nut(view: _View) -> _Found | None:
         return None  # a plate that a nut is welded to
     if above > 1.1 * below:
         return None  # a flange: seen from the other end it is on the joint's side
-    # Slots of a castle nut are open above: they have corners at their floor, between the bore and the outside.
-    floor = view.z[(view.r > 1.15 * bore.radius) & (np.abs(view.z - 0.5 * (view.low + view.high)) < 0.42 * full)]
+    # Slots of a castle nut are open above: they have a floor, with corners outside the bore.
+    z, r = view.z.reshape(-1, 3), view.r.reshape(-1, 3)
+    is_level = (np.ptp(z, axis=1) < 1e-6 * full) & (r.max(axis=1) > 1.15 * bore.radius)
+    floor = z[is_level & (np.abs(z[:, 0] - 0.5 * (view.low + view.high)) < 0.42 * full), 0]
     floor = floor[(floor > body.low + 0.02 * full) & (floor < body.high - 0.02 * full)]
     if is_two_sided and len(floor):
         if float(floor.max()) < 0.5 * (view.low + view.high):

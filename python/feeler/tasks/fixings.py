@@ -209,9 +209,15 @@ def _distance(row: Fastener | None, point: Floats) -> float:
 
 
 def _beyond(nut: Fastener, shank: Fastener) -> float:
-    """How far a shank stands out beyond the top of a nut, metres."""
+    """How far a shank stands out beyond the top of a nut, metres. With a head it ends on the other side, whichever way
+    the nut faces."""
     head = shank.head_height if math.isfinite(shank.head_height) else 0.0
     length = shank.length if math.isfinite(shank.length) else 0.0
     top = shank.frame[:3, 3]
-    ends = np.array([top - (head + length) * shank.axis, *([top] if shank.kind == "stud" else [])])
+    tip = top - (head + length) * shank.axis
+    if head > 0.0:
+        half = 0.5 * nut.length
+        middle = nut.frame[:3, 3] - half * nut.axis
+        return max(0.0, float((middle - tip) @ shank.axis) - half)
+    ends = np.array([tip, *([top] if shank.kind == "stud" else [])])
     return max(0.0, float(((ends - nut.frame[:3, 3]) @ nut.axis).max()))

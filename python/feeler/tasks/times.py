@@ -14,6 +14,8 @@ from feeler.atomic import atomic_file
 from feeler.errors import LoadError, OptionError
 from feeler.io.toml import parsed_toml, toml_of
 
+LEAST_STROKE = 1e-4
+"""A last stroke that is less than this share of one is rounding, and left out."""
 LONGEST_S = 1e6
 """The longest element, seconds."""
 
@@ -167,7 +169,7 @@ class Times:
 
 def strokes_for(turns: float, stroke_deg: float) -> int:
     """Strokes of a tool for some turns, of at most a full turn each."""
-    return max(1, math.ceil(turns * 360.0 / min(stroke_deg, 360.0) - 1e-9))
+    return max(1, math.ceil(turns * 360.0 / min(stroke_deg, 360.0) - LEAST_STROKE))
 
 
 def times_of(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
