@@ -142,11 +142,15 @@ class Times:
             file.write(self.to_toml().encode())
 
     def to_toml(self) -> str:
-        """As TOML, which `load` reads."""
-        lines = ["# Seconds: [mean, spread]. The spread is a standard deviation.", "[elements]"]
+        """As TOML, which `load` reads. Examples are commented out, so that they are examples when it is read again."""
+        lines = ["# Seconds: [mean, spread]. The spread is a standard deviation."]
+        if self.examples:
+            lines.append(
+                "# Where a line begins with #, its figures are an example, not measured: put in yours, without the #."
+            )
+        lines.append("[elements]")
         for name, (mean, spread) in self.elements.items():
-            said = EXAMPLES[name][2] + (" (an example, not measured)" if name in self.examples else "")
-            lines.append(f"{name} = [{mean!r}, {spread!r}]  # {said}")
+            lines.append(f"{'# ' * (name in self.examples)}{name} = [{mean!r}, {spread!r}]  # {EXAMPLES[name][2]}")
         lines += [
             "",
             "# Pitches that are not the coarse ones of ISO 261, millimetres, by pattern of paths.",
