@@ -130,6 +130,26 @@ def test_a_finely_cut_nut_has_no_slots() -> None:
         assert np.allclose(found[0].axis, found[1].axis, atol=1e-9) and found[1].kind == "nut"
 
 
+@pytest.mark.parametrize("kind", ["doubled", "wound at random", "inside out", "in part"])
+def test_drives_of_dirty_meshes(kind: str) -> None:
+    """Unshared corners, triangles twice, and neighbours that are wound against each other."""
+    rng = np.random.default_rng(7)
+    for mesh in (hardware.hex_bolt(0.008, 0.03, USUAL), hardware.nut(0.008, USUAL)):
+        faces = mesh.faces
+        if kind == "doubled":
+            faces = np.concatenate([faces, np.roll(faces[::-1], 1, axis=1)])
+        elif kind == "inside out":
+            faces = faces[:, ::-1]
+        else:
+            share = 0.5 if kind == "wound at random" else 0.1
+            faces = np.where(rng.random(len(faces))[:, None] < share, faces[:, ::-1], faces)
+        soup = mesh.vertices[faces].reshape(-1, 3)
+        dirty = Mesh(soup, np.arange(len(soup), dtype=np.int32).reshape(-1, 3))
+        clean, row = found_of(mesh, tilted(2)), found_of(dirty, tilted(2))
+        assert (row.kind, row.drive, row.confidence) == (clean.kind, clean.drive, clean.confidence)
+        assert row.across_flats == pytest.approx(clean.across_flats) and row.length == pytest.approx(clean.length)
+
+
 def test_a_flanged_nut_has_its_flange_on_the_joint() -> None:
     nut, flange = hardware.nut(0.008, USUAL), hardware.ring(0.004, 0.009, 0.001, USUAL)
     mesh = Mesh(*joined((nut.vertices + np.array([0, 0, 0.001]), nut.faces), (flange.vertices, flange.faces)))

@@ -19,6 +19,7 @@ from feeler.parts import PartsLike
 from feeler.plan.fastener_names import kind_said, says_nothing
 from feeler.plan.fastener_shape import Looks, looks_of, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
+from feeler.plan.wound import wound
 from feeler.progress import Progress
 from feeler.scene import Scene
 
@@ -290,9 +291,10 @@ def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64
 
 def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool) -> list[tuple[Fastener, Looks]]:
     """The fasteners among the parts of one shape."""
-    looks = looks_of(shape.vertices, shape.faces)
+    faces = wound(shape.vertices, shape.faces)
+    looks = looks_of(shape.vertices, faces)
     names = [said[part] for part in shape.parts]
-    rod = rod_of(shape.vertices, shape.faces) if looks is None and any(kind in KINDS for kind in names) else None
+    rod = rod_of(shape.vertices, faces) if looks is None and any(kind in KINDS for kind in names) else None
     found = []
     for part, place, name in zip(shape.parts.tolist(), shape.places, names, strict=True):
         seen = looks or (rod if name in KINDS else None)
