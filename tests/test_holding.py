@@ -497,6 +497,40 @@ def test_a_nut_on_a_shaft_holds_the_wheel_that_it_bears_on(washed: bool, stub: f
     assert (row.paths, row.washers, row.anchor_path) == (("wheel",), (2,) if washed else (), "shaft"), row.because
 
 
+def test_names_of_bent_bolts_and_sliding_nuts_change_nothing() -> None:
+    """A U-bolt has two threads, and no tool turns a T-slot nut: nuts and bolts are undone from them."""
+    legs = [ring(0.001, -0.03, 0.03, 0.004) for _ in range(2)]
+    u_bolt = joined(
+        *((corners + np.array([x, 0.0, 0.0]), faces) for (corners, faces), x in zip(legs, (-0.03, 0.03), strict=True)),
+        box((-0.034, -0.004, 0.03), (0.034, 0.004, 0.038)),
+    )
+    holes = [ring(CLEAR, -0.008, 0.0, 0.02) for _ in range(2)]
+    plate = joined(*((v + np.array([x, 0.0, 0.0]), f) for (v, f), x in zip(holes, (-0.03, 0.03), strict=True)))
+    nuts = {
+        f"nut_{n}": plain(hardware.nut(SIZE, USUAL), at(x=x, z=-0.008) @ np.diag([1.0, -1.0, -1.0, 1.0]))
+        for n, x in enumerate((-0.03, 0.03))
+    }
+    for name in ("U-bolt", "part 7"):
+        found = feeler.holds(tilted({name: u_bolt, "plate": plate, **nuts}, 6))
+        assert [(row.path, row.paths, row.anchor_path) for row in found] == [
+            (nut, ("plate",), name) for nut in ("nut_0", "nut_1")
+        ]
+    block = joined(
+        box((-0.012, -0.0102, -0.014), (-0.004, 0.0102, -0.002)),
+        box((0.004, -0.0102, -0.014), (0.012, 0.0102, -0.002)),
+        ring(FITTED, -0.014, -0.002, 0.0045),
+        box((-0.004, 0.004, -0.014), (0.004, 0.0102, -0.002)),
+        box((-0.004, -0.0102, -0.014), (0.004, -0.004, -0.002)),
+    )
+    for name in ("T-slot nut", "part 5"):
+        parts = {"bolt": bolt(0.024, USUAL), "plate": ring(CLEAR, -0.0019, 0.0), name: block}
+        mockup = tilted({**parts, "case": box((-0.03, -0.03, -0.05), (0.03, 0.03, -0.03))}, 6)
+        (row,) = feeler.holds(mockup)
+        assert (row.path, row.paths, row.anchor_path) == ("bolt", ("plate",), name), row.because
+        task = feeler.task(feeler.Scene(mockup), "plate")
+        assert [step.paths for step in task.steps] == [("bolt",), ("plate",)]
+
+
 @pytest.mark.parametrize("name", ["shim", "washer", "part 7"])
 def test_rings_between_parts_are_held_and_no_washers(name: str) -> None:
     """Only rings between a head, or a nut, and the first other part leave with the fastener."""

@@ -50,10 +50,11 @@ class Fixings:
 
     def __init__(self, scene: Scene, rows: Fasteners, held: Holds, times: Arithmetic) -> None:
         self.scene, self.times = scene, times
-        self._rows = {row.part: row for row in rows}
         self._held = {hold.fastener: hold for hold in held}
+        # Others are no fasteners, whatever their names say.
+        self._rows = {row.part: row for row in rows if row.part in self._held}
         mask = scene.part_mask.copy()
-        mask[[row.part for row in rows if row.part < len(mask)]] = False
+        mask[[part for part in self._rows if part < len(mask)]] = False
         self._bare = scene.only(mask)
         self._washers = self._sorted_washers(held)
         self._known: dict[int, Fixing] = {}

@@ -20,6 +20,7 @@ from feeler.scene import Scene
 from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
+from feeler.tasks.threaded_bodies import threaded_bodies
 
 Floats = npt.NDArray[np.float64]
 
@@ -144,6 +145,8 @@ def holds(
             raise OptionError(f"fasteners has {beyond[0]!r}, which is not in this mock-up: give fasteners of this one")
     given = _given(scene.mockup, table)
     present = [row for row in fasteners if scene.part_mask[row.part]]
+    bodies = threaded_bodies(scene, present)
+    present = [row for row in present if row.part not in bodies]
     if progress is not None:
         progress(0.8, "looking at circlips and pins")
     by_name = retained(scene, [row.part for row in present])
