@@ -80,7 +80,9 @@ test("a tool is in its seat at the beginning of its step, and what is out before
   assert.equal(seatedStep(answer, 1, 0), 1);
   assert.equal(seatedStep(answer, 1, 0.9), null);
   assert.equal(seatedStep(undefined, 0, 0), null);
-  const cards = [{ id: 7, question: "task" as const, edits: { off: ["c"], times: [], before: [], table: "" } }];
+  const cards = [
+    { id: 7, question: "task" as const, edits: { off: ["c"], times: [], before: [], table: "", catalogue: "" } },
+  ];
   const film = { card: 7, step: 1, share: 0, is_playing: false };
   const answers = new Map([[7, answer]]);
   assert.deepEqual(goneParts(film, cards, answers, ["a", "b", "c", "d"]), [2, 3]);

@@ -88,7 +88,11 @@ def tasks_again(document: Document, known: Callable[[], Known]) -> Document:
     """The document with the questions of tasks asked again whose edits changed, as by undo."""
     waiting = []
     for card in document.cards:
-        edits = replace(document.task_edits.get(card.id, NO_EDIT), table=document.task_times.digest)
+        edits = replace(
+            document.task_edits.get(card.id, NO_EDIT),
+            table=document.task_times.digest,
+            catalogue="" if "tools" in card.options else document.task_catalogue.digest,
+        )
         if card.question == "task" and card.edits != edits:
             here = known()
             gone = {*here.absent, *document.out, *document.gripped}
