@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import differing, keep, opened, picture, program, settled, troubles, wait
+from browser import access_troubles, differing, keep, opened, picture, program, settled, troubles, wait
 from shapes import mockup_of
 from test_task import driver
 from test_workbench_tasks import mockup
@@ -119,9 +119,5 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
         panel.get_by_role("button", name="Use the example times").click()
         panel.get_by_text("Times are examples").wait_for()
 
-        axe = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-        if axe.is_file():
-            page.evaluate(f"{axe.read_text(encoding='utf-8')};0")
-            found = page.evaluate("() => axe.run()")
-            assert [each["id"] for each in found["violations"] if each["impact"] in ("serious", "critical")] == []
+        assert access_troubles(page) == []
         assert troubles(page) == []
