@@ -68,7 +68,8 @@ export function TaskPanel() {
   const cards = (store.document.value?.cards ?? []).filter((card) => card.question === "task");
   const selection = store.selection.value;
   const only = selection.size === 1 ? [...selection][0] : undefined;
-  const what = only !== undefined ? store.nameOf(only) : partsText(selection.size, String);
+  const group = store.tree.value.groupOf(selection)?.name;
+  const what = only !== undefined ? store.nameOf(only) : (group ?? partsText(selection.size, String));
   return (
     <div class="panel-body">
       <section>
