@@ -9,6 +9,7 @@ import {
   minutesText,
   parseSeconds,
   seatedStep,
+  shortNames,
   sightText,
   ticksOf,
 } from "../src/model/task";
@@ -98,4 +99,17 @@ test("what is seen of a fastener is said as a share that is never rounded to all
     "99 % of it is visible",
     "Fully visible",
   ]);
+});
+
+test("names of parts tell them apart, and no longer than that", () => {
+  const paths = ["g/fuel/nut_1", "g/vent/nut_1", "g/vent/pipe", "h/vent/nut_1", "nut_2", "g/fuel/nut_1"];
+  assert.deepEqual([...shortNames(paths).values()], ["fuel/nut_1", "g/vent/nut_1", "pipe", "h/vent/nut_1", "nut_2"]);
+  assert.deepEqual(
+    [...shortNames(["a", "b/a", ""])],
+    [
+      ["a", "a"],
+      ["b/a", "b/a"],
+      ["", ""],
+    ],
+  );
 });
