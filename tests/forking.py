@@ -72,7 +72,10 @@ def started(words: Sequence[str], output: int, environment: dict[str, str]) -> F
     line.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MOST_BYTES)
     socket.send_fds(line, [request], [output, writing])
     os.close(writing)
-    return Forked(int(line.recv(64)), reading)
+    told = line.recv(64)
+    if not told:
+        raise AssertionError("the process that starts programs has ended: see its errors above")
+    return Forked(int(told), reading)
 
 
 def _end() -> None:

@@ -45,7 +45,7 @@ export function openTaskFile(wb: Workbench, kind: TaskFile): void {
       // A blank text would take the built-in one.
       await wb.send(kind, { toml: text.trim() ? text : "#", name: file.name });
     } catch (error) {
-      trouble.value = error instanceof Error ? sentences(error.message) : String(error);
+      trouble.value = `${error instanceof Error ? sentences(error.message) : String(error)}.`;
     }
   });
 }

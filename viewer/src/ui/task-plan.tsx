@@ -23,6 +23,9 @@ import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { WayPlayer, wayText } from "./way";
 
+/** Share of the axis from which a figure has no room to the right of its mark. */
+const LATE = 0.9;
+
 /** The answer of a task. */
 export function TaskPlan({ card, answer, task }: { card: Card; answer: CardAnswer; task: TaskAnswer }) {
   const { store } = useWorkbench();
@@ -90,7 +93,7 @@ function Gantt(props: GanttProps) {
       ))}
       <div class="gantt-axis" aria-hidden="true">
         {ticksOf(end).map((tick) => (
-          <span key={tick} style={{ left: `${(100 * tick) / end}%` }}>
+          <span key={tick} class={tick > LATE * end ? "late" : ""} style={{ left: `${(100 * tick) / end}%` }}>
             {minutesText(tick)}
           </span>
         ))}
