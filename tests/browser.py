@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import re
 import signal
@@ -14,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import forking
 import numpy as np
 import pytest
 from chromium import FLAGS
@@ -42,7 +44,7 @@ def chromium() -> str:
 class Program:
     """`feeler view` or `feeler replay --page` while it runs."""
 
-    process: subprocess.Popen[str]
+    process: subprocess.Popen[str] | forking.Forked
     url: str
     said: list[str] = field(default_factory=list)
 
@@ -64,21 +66,15 @@ def replayed_program(*words: str | Path) -> AbstractContextManager[Program]:
 
 @contextmanager
 def _started(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
-    command = [*PROGRAM, *map(str, words), "--no-browser"]
-    process = subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
+    reading, writing = os.pipe()
+    process = _process([*map(str, words), "--no-browser"], writing)
+    os.close(writing)
+    output = open(reading, encoding="utf-8")  # noqa: SIM115
     said: list[str] = []
     address = threading.Event()
 
     def listen() -> None:
-        assert process.stdout is not None
-        for line in process.stdout:
+        for line in output:
             said.append(line.rstrip("\n"))
             if "http://" in line:
                 address.set()
@@ -97,8 +93,22 @@ def _started(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
             process.kill()
         process.wait(30)
         listener.join(30)
-        assert process.stdout is not None
-        process.stdout.close()
+        output.close()
+
+
+def _process(words: list[str], output: int) -> subprocess.Popen[str] | forking.Forked:
+    """`feeler WORDS`, which prints to a descriptor."""
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    if forking.IS_THERE:
+        return forking.started(words, output, environment)
+    return subprocess.Popen(
+        [*PROGRAM, *words],
+        stdout=output,
+        stderr=output,
+        text=True,
+        env=environment,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
 
 
 def keep(picture: bytes, name: str, folders: Sequence[str] = ("target", "screenshots")) -> Path:
@@ -185,6 +195,32 @@ def troubles(page: Any) -> list[str]:
     return [line for line in said if "GL Driver Message (OpenGL, Performance" not in line]
 
 
+AXE = Path(__file__).resolve().parent.parent / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
+SCHEMES = ("dark", "light")
+needs_axe = pytest.mark.skipif(not AXE.is_file(), reason="axe-core is not installed: make build")
+
+
+def access_troubles(page: Any, schemes: Sequence[str] = ("dark",)) -> list[tuple[str, str, Any]]:
+    """What axe finds that is serious, in the page as it is: scheme, rule, and where it is broken; nothing without axe.
+
+    schemes: of colours. In all but the first only the contrast is looked at, since nothing else depends on them.
+    """
+    if not AXE.is_file():
+        return []
+    if not page.evaluate("() => 'axe' in window"):
+        page.evaluate(f"{AXE.read_text(encoding='utf-8')};0")
+    troubles = []
+    for scheme in schemes:
+        if len(schemes) > 1:
+            page.emulate_media(color_scheme=scheme)
+        # Without the places of what passes, which take most of the time.
+        options = {"resultTypes": ["violations"], **({} if scheme == schemes[0] else {"runOnly": ["color-contrast"]})}
+        for each in page.evaluate("async options => (await axe.run(options)).violations", options):
+            if each["impact"] in ("serious", "critical"):
+                troubles.append((scheme, each["id"], [node["target"] for node in each["nodes"]][:3]))
+    return troubles
+
+
 def held_at(x: float, y: float, z: float) -> list[float]:
     pose = np.eye(4)
     pose[:3, 3] = x, y, z
@@ -217,13 +253,18 @@ PICTURE = """async () => {
     const canvas = new OffscreenCanvas(320, 180);
     const context = canvas.getContext("2d");
     context.drawImage(bitmap, 0, 0);
-    return Array.from(context.getImageData(0, 0, 320, 180).data);
+    // As text: playwright takes a second for as many numbers.
+    const bytes = context.getImageData(0, 0, 320, 180).data;
+    let text = "";
+    for (let at = 0; at < bytes.length; at += 8192) text += String.fromCharCode(...bytes.subarray(at, at + 8192));
+    return btoa(text);
 }"""
 
 
 def picture(page: Any) -> np.ndarray:
     """The picture (180, 320, 3) as the page draws it now."""
-    return np.array(page.evaluate(PICTURE), dtype=np.int16).reshape(180, 320, 4)[..., :3]
+    rows = np.frombuffer(base64.b64decode(page.evaluate(PICTURE)), np.uint8)
+    return rows.reshape(180, 320, 4)[..., :3].astype(np.int16)
 
 
 def differing(one: np.ndarray, other: np.ndarray) -> float:

@@ -18,8 +18,10 @@ import pytest
 from commands import error_of
 from workbench_fake import WAIT_S, Page, bearer, fetch
 
+import feeler
 from feeler.cli.inputs import Choice
 from feeler.cli.view import _Opening, ended_by_signals
+from feeler.plan.catalogue import built_in_text
 from feeler.workbench.document import protocol
 from feeler.workbench.session.session import Session
 
@@ -148,6 +150,19 @@ def test_options_that_cannot_be(tmp_path: Path) -> None:
     assert "nonsense" in error_of("view", "--device", "nonsense")
     (tmp_path / "clashes.json").write_text('{"rows": []}')
     assert 'no list "clashes"' in error_of("view", "--findings", tmp_path / "clashes.json")
+    (tmp_path / "tools.toml").write_text("version = 1\n\n[[socket]]\nsizes_mm = 13\n")
+    assert "[[socket]] 1 in line 3: sizes_mm is 13" in error_of("view", "--catalogue", tmp_path / "tools.toml")
+    (tmp_path / "tools.toml").write_text(built_in_text() + "#" * 90_000)
+    assert "the workbench takes 90,000 at most" in error_of("view", "--catalogue", tmp_path / "tools.toml")
+
+
+def test_the_catalogue_is_there_from_the_start_for_all_mockups() -> None:
+    with Session(has_threads=False) as session:
+        opening = _Opening(session, ["sample:differential:10000"], None, Choice(None, None, None), None)
+        opening.catalogue = ("tools.toml", built_in_text())
+        for _ in range(2):
+            opening._open(None, None, None, None)
+            assert session.document()["task_catalogue"] == {"name": "tools.toml", "tools": len(feeler.catalogue())}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")

@@ -15,13 +15,15 @@ from browser import (
     CAST_M,
     HALF_TOOL_M,
     PROGRAM,
-    SLOW_MS,
+    SCHEMES,
     Program,
+    access_troubles,
     differing,
     document,
     held_at,
     keep,
     move,
+    needs_axe,
     opened,
     picture,
     program,
@@ -319,27 +321,19 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-def test_axe_finds_nothing_serious(browser: Any, root: Path, stand: Path, cube: Path) -> None:
-    source = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-    if not source.is_file():
-        pytest.skip("axe-core is not installed: make build")
-    for scheme in ("dark", "light"):
-        context = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme=scheme, bypass_csp=True)
-        context.set_default_timeout(SLOW_MS)
-        with program(stand, "--tool", cube) as started:
-            page = opened(context, started)
-            page.add_script_tag(path=source)
-            for panel in range(1, 6):
-                page.keyboard.press(f"Alt+{panel}")
-                found = page.evaluate("() => axe.run()")
-                serious = [v["id"] for v in found["violations"] if v["impact"] in ("serious", "critical")]
-                assert serious == [], (scheme, panel)
-            page.locator("#picture").focus()
-            page.keyboard.press("?")
+@needs_axe
+def test_axe_finds_nothing_serious(context: Any, stand: Path, cube: Path) -> None:
+    with program(stand, "--tool", cube) as started:
+        page = opened(context, started)
+        for panel in range(1, 6):
+            page.keyboard.press(f"Alt+{panel}")
+            assert access_troubles(page, SCHEMES) == [], panel
+        page.locator("#picture").focus()
+        page.keyboard.press("?")
+        assert access_troubles(page, SCHEMES) == []
+        for scheme in SCHEMES:
+            page.emulate_media(color_scheme=scheme)
             keep(page.screenshot(), f"help_{scheme}.png")
-            found = page.evaluate("() => axe.run()")
-            assert [v["id"] for v in found["violations"] if v["impact"] in ("serious", "critical")] == []
-        context.close()
 
 
 def test_scripts_have_a_view(context: Any, stand: Path, cube: Path) -> None:

@@ -552,3 +552,20 @@ def test_the_built_in_wrench_lies_flat_also_when_the_program_was_started_with_it
     _, other = asked(Bench(own, mockup=bolts(), pose=at(0, 0, 0.5)), "access", tool="wrench")
     for pose in np.array([row["pose"] for row in other["reaches"]]).reshape(-1, 4, 4):
         assert pose[:3, 2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9), "a tool of one's own along z"
+
+
+def test_a_whole_group_is_called_by_its_name() -> None:
+    from shapes import box, mockup_of
+
+    shapes = [box((x, 0.0, 0.0), (x + 0.5, 1.0, 1.0)) for x in (0.0, 1.0, 2.0, 3.0)]
+    made = mockup_of(dict(zip(("a", "b", "c", "d"), shapes, strict=True)))
+    paths = ["top/pump/body", "top/pump/lid", "top/pump/old", "top/frame"]
+    world = feeler.Mockup(made.vertices, made.faces, made.part_of_face, list("abcd"), part_paths=paths)
+    bench = Bench(mockup=world)
+    for parts, title in (([0, 1, 2], "Can pump come out?"), ([0, 1], "Can a and 1 more come out?")):
+        number = int(bench.command("ask", question="removal", parts=parts)["id"])
+        assert card_of(bench, number).title == title
+        bench.command("card_cancel", id=number)
+    number = int(bench.command("ask", question="task", parts=[0, 1, 2], tools=[])["id"])
+    assert card_of(bench, number).title == "How is pump taken out?"
+    bench.session.close()

@@ -11,7 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from browser import SLOW_MS, document, keep, opened, program, ready, settled, troubles, wait
+from browser import (
+    SCHEMES,
+    SLOW_MS,
+    access_troubles,
+    document,
+    keep,
+    needs_axe,
+    opened,
+    program,
+    ready,
+    settled,
+    troubles,
+    wait,
+)
 
 WIDTHS = (320, 420, 760, 999)
 
@@ -388,48 +401,38 @@ def test_names_are_isolated_and_cut_in_the_middle(context: Any, tmp_path: Path) 
         assert troubles(page) == []
 
 
-def test_axe_finds_nothing_in_drawers_dialogs_and_menus(browser: Any, root: Path, stand: Path, cube: Path) -> None:
-    source = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-    if not source.is_file():
-        pytest.skip("axe-core is not installed: make build")
-    for scheme in ("dark", "light"):
-        context = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme=scheme, bypass_csp=True)
-        context.set_default_timeout(SLOW_MS)
-        with contextlib.closing(context), program("--tool", cube) as started:
-            page = opened(context, started)
-            page.add_script_tag(path=source)
+@needs_axe
+def test_axe_finds_nothing_in_drawers_dialogs_and_menus(context: Any, cube: Path) -> None:
+    with program("--tool", cube) as started:
+        page = opened(context, started)
 
-            def check(what: str, page: Any = page, scheme: str = scheme) -> None:
-                found = page.evaluate("() => axe.run()")
-                serious = [
-                    (v["id"], [node["target"] for node in v["nodes"]][:3])
-                    for v in found["violations"]
-                    if v["impact"] in ("serious", "critical")
-                ]
-                assert serious == [], (scheme, what)
+        def check(what: str) -> None:
+            assert access_troubles(page, SCHEMES) == [], what
 
-            page.get_by_role("region", name="Three questions to begin with").wait_for()
-            page.get_by_role("button", name="Which tool undoes this bolt?").click()
-            page.locator(".properties").get_by_text("closed").wait_for()
-            check("first run and selection")
-            page.keyboard.press("Shift+F10")
-            check("menu")
+        page.get_by_role("region", name="Three questions to begin with").wait_for()
+        page.get_by_role("button", name="Which tool undoes this bolt?").click()
+        page.locator(".properties").get_by_text("closed").wait_for()
+        check("first run and selection")
+        page.keyboard.press("Shift+F10")
+        check("menu")
+        page.keyboard.press("Escape")
+        for words in ("open a sample", "settings", "correct the unit"):
+            command(page, words)
+            check(words)
             page.keyboard.press("Escape")
-            for words in ("open a sample", "settings", "correct the unit"):
-                command(page, words)
-                check(words)
-                page.keyboard.press("Escape")
-            page.keyboard.press("Control+k")
-            check("palette")
-            page.get_by_role("combobox", name="Search commands").fill("nothing of this")
-            check("palette without a match")
+        page.keyboard.press("Control+k")
+        check("palette")
+        page.get_by_role("combobox", name="Search commands").fill("nothing of this")
+        check("palette without a match")
+        page.keyboard.press("Escape")
+        command(page, "hide all")
+        page.locator(".banner").wait_for()
+        check("everything hidden")
+        page.set_viewport_size({"width": 412, "height": 800})
+        for name in ("Open the part tree", "Open the panels"):
+            bar(page, name).click()
+            check(name)
             page.keyboard.press("Escape")
-            command(page, "hide all")
-            page.locator(".banner").wait_for()
-            check("everything hidden")
-            page.set_viewport_size({"width": 412, "height": 800})
-            for name in ("Open the part tree", "Open the panels"):
-                bar(page, name).click()
-                check(name)
-                page.keyboard.press("Escape")
+        for scheme in SCHEMES:
+            page.emulate_media(color_scheme=scheme)
             keep(page.screenshot(), f"narrow_{scheme}.png")

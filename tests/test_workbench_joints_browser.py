@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import differing, document, keep, opened, picture, program, settled, sized, troubles, wait
+from browser import access_troubles, differing, document, keep, opened, picture, program, settled, sized, troubles, wait
 
 import feeler
 from feeler.io import write_glb
@@ -155,9 +155,5 @@ def test_a_dropped_mechanism_moves_by_slider_keys_and_pointer(context: Any, cupb
         page.keyboard.press("Control+z")
         wait(page, "() => window.feeler.document.mechanism.values.door === 0")
 
-        axe = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-        if axe.is_file():
-            page.evaluate(f"{axe.read_text(encoding='utf-8')};0")
-            found = page.evaluate("() => axe.run()")
-            assert [each["id"] for each in found["violations"] if each["impact"] in ("serious", "critical")] == []
+        assert access_troubles(page) == []
         assert troubles(page) == []

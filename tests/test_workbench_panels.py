@@ -563,7 +563,9 @@ def test_the_keyboard_alone_takes_a_part_out(context: Any, stand: Path) -> None:
         keys.press("e")
         wait(page, "() => window.feeler.document.gripped.length === 1 && window.feeler.pose !== null")
         start = page.evaluate("() => window.feeler.pose[11]")
-        for key in ("g", "z", "3", "0", "0", "Enter"):
+        while "Move in the view" not in page.inner_text("body"):  # refused until the part's shape has come
+            keys.press("g")
+        for key in ("z", "3", "0", "0", "Enter"):
             keys.press(key)
         wait(page, "z => Math.abs(window.feeler.document.pose[11] - z) < 1e-6", start + 0.3)
         keys.press("e")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import SLOW_MS, differing, keep, move, opened, picture, program, settled, troubles, wait
+from browser import SLOW_MS, access_troubles, differing, keep, move, opened, picture, program, settled, troubles, wait
 
 OTHER = "() => window.feeler.people.seen[0]"
 NASTY = "<img src=x onerror=alert(1)>"
@@ -31,15 +31,6 @@ def named(page: Any, name: str) -> None:
     field.fill(name)
     field.press("Enter")
     page.get_by_role("button", name="Close", exact=True).click()
-
-
-def check_access(page: Any, root: Path) -> None:
-    """Axe finds nothing serious."""
-    source = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-    if source.is_file():
-        page.add_script_tag(path=source)
-        found = page.evaluate("() => axe.run()")["violations"]
-        assert [each["id"] for each in found if each["impact"] in ("serious", "critical")] == []
 
 
 def names(page: Any) -> list[str]:
@@ -90,7 +81,7 @@ def test_two_people_see_each_other_and_take_the_tool_by_turns(
         ben.keyboard.press("g")
         bar = ben.locator(".turn-bar")
         assert "Ann has the tool." in bar.inner_text()
-        check_access(ben, root)
+        assert access_troubles(ben) == []
         bar.get_by_role("button", name="Ask for it").click()
         asked = ann.locator(".turn-bar")
         asked.wait_for()
@@ -105,7 +96,7 @@ def test_two_people_see_each_other_and_take_the_tool_by_turns(
         ann.keyboard.press("1")
         wait(ben, f"before => ({OTHER})()?.camera.position[0] !== before", camera["position"][0])
         ben.locator(".people-strip").click()
-        check_access(ben, root)
+        assert access_troubles(ben) == []
         ben.get_by_role("button", name="Look where Ann looks").click()
         wanted = ann.evaluate("() => window.feeler.camera")
         np.testing.assert_allclose(ben.evaluate("() => window.feeler.camera")["position"], wanted["position"])

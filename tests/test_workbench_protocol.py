@@ -133,7 +133,7 @@ DOCUMENT: protocol.DocumentFields = {
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
             **{"is_good": None, "is_stale": False, "line": None, "is_earlier": False},
-            "edits": {"off": ["lid"], "times": [("bolt", 9.5)], "before": [("a", "b")], "table": "0a"},
+            "edits": {"off": ["lid"], "times": [("bolt", 9.5)], "before": [("a", "b")], "table": "0a", "catalogue": ""},
         }
     ],
     "clash": {"clearance": 0.002, "contact": None, "rules": ""},
@@ -143,6 +143,7 @@ DOCUMENT: protocol.DocumentFields = {
     "mechanism": None,
     "joint_ranges": [],
     "task_times": {"name": "times.toml", "given": 3},
+    "task_catalogue": {"name": "tools.toml", "tools": 12},
     "on_joint": None,
 }
 OPENS: openings.Opens = {

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import differing, keep, opened, picture, program, settled, troubles, wait
+from browser import access_troubles, differing, keep, opened, picture, program, settled, troubles, wait
 from shapes import mockup_of
 from test_task import driver
+from test_workbench_task_tools import OWN
 from test_workbench_tasks import mockup
 
 from feeler.io import write_glb, write_stl
@@ -39,7 +40,7 @@ def edited(page: Any, count: int) -> None:
     wait(page, DONE)
 
 
-def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, Path], root: Path) -> None:
+def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, Path]) -> None:
     with program(files[0], "--tool", files[1]) as started:
         page = opened(context, started)
         panel = page.locator("#panel")
@@ -102,26 +103,41 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
         edited(page, 0)
         assert [step[2:] for step in order(page)] == ["take out lid", "undo left", "undo right"]
 
-        # A table of times plans again; a wrong one says what is wrong, and changes nothing.
+        # A table of times plans again; a wrong one says what is wrong, and changes nothing. A catalogue does, too.
         table = files[0].with_name("ours.toml")
-        for text, said in (
-            ("[elements]\nfly = 1\n", "Times are examples"),
-            ("[elements]\nget = 90\n", "1 of 9 elements"),
-        ):
+        troubled = panel.get_by_role("alert")
+
+        def give(button: str, text: str) -> None:
             table.write_text(text, encoding="utf-8")
             with page.expect_file_chooser() as chosen:
-                panel.get_by_role("button", name="Open times").click()
+                panel.get_by_role("button", name=button).click()
             chosen.value.set_files(table)
-            panel.get_by_text(said).wait_for()
-            page.wait_for_timeout(200)
+
+        give("Open times", "[elements]\nfly = 1\n")
+        troubled.get_by_text("ours.toml: elements has 'fly'").wait_for()
+        assert "Times are examples" in panel.inner_text()
+        give("Open times", "[elements]\nget = 90\n")
+        panel.get_by_text("1 of 9 elements").wait_for()
         wait(page, DONE)
-        assert "2 min" in rows.nth(1).inner_text() and "ours.toml: elements has 'fly'" in page.inner_text("body")
+        assert "2 min" in rows.nth(1).inner_text() and troubled.count() == 0
         panel.get_by_role("button", name="Use the example times").click()
         panel.get_by_text("Times are examples").wait_for()
+        give("Open catalogue", OWN.replace("= 5", "= -5"))
+        troubled.get_by_text("ours.toml, [[open]] 1 in line 2: thick_mm is -5").wait_for()
+        assert access_troubles(page) == []
+        give("Open catalogue", OWN)
+        panel.get_by_text("Tools of ours.toml").wait_for()
+        assert troubled.count() == 0 and "1 tool" in panel.inner_text()
+        keep(page.screenshot(), "task_catalogue.png")
+        panel.get_by_label("Tools").select_option("of the catalogue")
+        page.locator("[role=treeitem]", has_text="left").last.click()
+        panel.get_by_role("button", name="How is it taken out?").click()
+        wait(page, "() => window.feeler.document.cards.length === 2")
+        order(page)
+        rows.nth(1).click()
+        assert "ours 13" in panel.inner_text()
+        panel.get_by_role("button", name="Use the built-in catalogue").click()
+        panel.get_by_text("Tools of the built-in catalogue").wait_for()
+        wait(page, DONE)
 
-        axe = root / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-        if axe.is_file():
-            page.evaluate(f"{axe.read_text(encoding='utf-8')};0")
-            found = page.evaluate("() => axe.run()")
-            assert [each["id"] for each in found["violations"] if each["impact"] in ("serious", "critical")] == []
         assert troubles(page) == []

@@ -47,6 +47,7 @@ const DOCUMENT: Document = {
   cards: [],
   clash: { clearance: 0.002, contact: 0, rules: "" },
   task_times: { name: "", given: 0 },
+  task_catalogue: { name: "", tools: 0 },
   requirements: [],
   material: null,
   doubts: [],

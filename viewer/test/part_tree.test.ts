@@ -114,3 +114,13 @@ test("parts that the server found take the place of words", () => {
   assert.deepEqual(names(tree, rows), ["a", "b", "two", "four"]);
   assert.deepEqual(tree.rows(new Set(), "material:steel"), []);
 });
+
+test("parts that are a whole group are known by it", () => {
+  const tree = new PartTree(["a/b/one", "a/b/two", "a/three", "four", "a/b/gone"], new Set([4]));
+  const group = (...parts: number[]) => tree.groupOf(new Set(parts))?.name ?? null;
+  assert.deepEqual([group(0, 1), group(1, 0, 2)], ["b", "a"]);
+  assert.deepEqual(
+    [group(), group(0), group(0, 2), group(0, 3), group(0, 1, 3), group(0, 1, 2, 3)],
+    Array(6).fill(null),
+  );
+});

@@ -9,6 +9,7 @@ import {
   minutesText,
   parseSeconds,
   seatedStep,
+  shortNames,
   sightText,
   ticksOf,
 } from "../src/model/task";
@@ -80,7 +81,9 @@ test("a tool is in its seat at the beginning of its step, and what is out before
   assert.equal(seatedStep(answer, 1, 0), 1);
   assert.equal(seatedStep(answer, 1, 0.9), null);
   assert.equal(seatedStep(undefined, 0, 0), null);
-  const cards = [{ id: 7, question: "task" as const, edits: { off: ["c"], times: [], before: [], table: "" } }];
+  const cards = [
+    { id: 7, question: "task" as const, edits: { off: ["c"], times: [], before: [], table: "", catalogue: "" } },
+  ];
   const film = { card: 7, step: 1, share: 0, is_playing: false };
   const answers = new Map([[7, answer]]);
   assert.deepEqual(goneParts(film, cards, answers, ["a", "b", "c", "d"]), [2, 3]);
@@ -96,4 +99,17 @@ test("what is seen of a fastener is said as a share that is never rounded to all
     "99 % of it is visible",
     "Fully visible",
   ]);
+});
+
+test("names of parts tell them apart, and no longer than that", () => {
+  const paths = ["g/fuel/nut_1", "g/vent/nut_1", "g/vent/pipe", "h/vent/nut_1", "nut_2", "g/fuel/nut_1"];
+  assert.deepEqual([...shortNames(paths).values()], ["fuel/nut_1", "g/vent/nut_1", "pipe", "h/vent/nut_1", "nut_2"]);
+  assert.deepEqual(
+    [...shortNames(["a", "b/a", ""])],
+    [
+      ["a", "a"],
+      ["b/a", "b/a"],
+      ["", ""],
+    ],
+  );
 });

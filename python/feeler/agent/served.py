@@ -17,6 +17,8 @@ from feeler.agent.job import Job
 from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.errors import FeelerError, OptionError
 from feeler.mockup import Mockup, Tool
+from feeler.plan.catalogue import Catalogue
+from feeler.plan.catalogue import catalogue as built_in
 from feeler.progress import Progress
 from feeler.samples import sample_tool
 from feeler.scene import Scene
@@ -35,6 +37,8 @@ class Served:
     tools: Mapping[str, Tool] = field(default_factory=dict)
     named: Sequence[str] = ()
     """What the mock-up is called: names of files, without their folders, or of a sample."""
+    catalogue: Catalogue = field(default_factory=built_in)
+    """The tools that are chosen by drive and size."""
 
     def __post_init__(self) -> None:
         self._samples: dict[str, Tool] = {}

@@ -12,7 +12,6 @@ from feeler.agent.queries import MOST_ROWS, Answer, Given
 from feeler.agent.served import Served
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
-from feeler.plan.catalogue import catalogue
 from feeler.plan.fasteners import Fasteners, find_fasteners
 from feeler.plan.sight import Seen
 from feeler.plan.sight import sight as look
@@ -30,8 +29,8 @@ _BLOCKERS = 3  # of each fastener
 
 
 def tool_or_catalogue(served: Served, name: str) -> Any:
-    """A tool by its name, or the built-in catalogue."""
-    return catalogue() if name == CATALOGUE and name not in served.tools else served.tool(name)
+    """A tool by its name, or the catalogue."""
+    return served.catalogue if name == CATALOGUE and name not in served.tools else served.tool(name)
 
 
 def task(served: Served, given: Given, job: Job) -> Answer:

@@ -30,11 +30,14 @@ from feeler.cli.inputs import (
 from feeler.errors import OptionError
 from feeler.progress import Progress
 
+_BUILT_IN = "built-in"
+
 
 @command(
     examples="""
 feeler mcp engine.feeler
 feeler mcp engine.step --tool wrench.stl --tool hand.stl --tool-unit mm
+feeler mcp engine.step --catalogue tools.toml
 feeler mcp plant/ --without "*scaffold*"
 feeler mcp sample:gearbox:100000 --tool sample:hand
 """
@@ -48,6 +51,13 @@ def mcp(
             metavar="FILE",
             help="A tool that agents may move: a file, or sample:NAME or sample:NAME:fine. Several are allowed; each "
             "has the name of its file.",
+        ),
+    ] = None,
+    catalogue: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE|built-in",
+            help="The tools that agents choose from (.toml): see feeler access --write-catalogue. Default: built-in.",
         ),
     ] = None,
     without: Without = None,
@@ -72,6 +82,7 @@ def mcp(
     from feeler.agent.wire import Wire
 
     names = _names(tool or [])
+    usual = feeler.catalogue(None if catalogue in (None, _BUILT_IN) else catalogue)
 
     def open_(progress: Progress) -> Served:
         tools = {name: read_tool(source, tool_unit, up) for name, source in names.items()}
@@ -81,7 +92,7 @@ def mcp(
             warn_of_doubts(each, name)
         scene = feeler.Scene(world, threads=threads, progress=progress)
         named = [source if source.startswith("sample:") else PurePath(source).name for source in mockup]
-        return Served(Choice(None, without, only).scene_of(scene), tools, named)
+        return Served(Choice(None, without, only).scene_of(scene), tools, named, usual)
 
     wire = Wire()
     code = 0

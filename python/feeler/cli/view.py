@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from feeler.workbench.session.session import Session
 
 _SAMPLE, _SAMPLE_TOOL = "sample:gearbox", "sample:wrench"
+_BUILT_IN = "built-in"
 _SHOWN = ("mm", "cm", "m", "in")
 _STEP = 0.01  # of progress, between reports
 _READ, _INDEXED = 0.6, 0.95  # shares at which the mock-up is read, and indexed
@@ -64,6 +65,7 @@ feeler view engine.step --tool wrench.stl --device spacemouse
 feeler view sample:engine:10000000 --benchmark
 feeler view engine.step --findings clashes.json
 feeler view engine.step --mechanism cowl.toml
+feeler view engine.step --catalogue tools.toml
 feeler view engine.step --project engine.feelproj
 feeler view engine.feelproj
 feeler view engine-2.step --project engine.feelproj
@@ -112,6 +114,12 @@ def view(
     mechanism: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Joints of the mock-up (.toml), with a slider each: see feeler move."),
+    ] = None,
+    catalogue: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE|built-in", help="Tools that tasks choose from (.toml): see feeler access --write-catalogue."
+        ),
     ] = None,
     project: ProjectFile = None,
     read_only: Annotated[
@@ -170,6 +178,7 @@ def view(
         check_target(FILE)
     found = None if findings is None else read_findings(findings)
     joints = None if mechanism is None else _mechanism_of(mechanism)
+    tools = None if catalogue is None else _catalogue_of(catalogue)
     # Before anything is loaded, so that a missing device is reported at once.
     held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
@@ -192,7 +201,7 @@ def view(
         choice = Choice(None, work.without, work.only)
         opening = _Opening(session, work.sources, work.tool, choice, held, found)
         opening.is_tool_kept = is_tool_given
-        opening.mechanism = joints
+        opening.mechanism, opening.catalogue = joints, tools
         opening.project = None if opened is None else opened.path
         if opened is not None and not read_only:
             opening.on_opened = partial(keep_work, opened, work)
@@ -230,6 +239,28 @@ def _mechanism_of(path: Path) -> tuple[str, str]:
 
     files.read(path)
     return path.name, text_of(path)
+
+
+def _begin_catalogue(session: Session, name: str, text: str) -> None:
+    """Takes a catalogue, unless the project has it already."""
+    if session.current.task_catalogue.toml != text:
+        session.command("task_catalogue", {"name": name, "toml": text}, None)
+
+
+def _catalogue_of(source: str) -> tuple[str, str]:
+    """The name and the text of a catalogue, empty for the built-in one, whose mistakes are told before anything is
+    loaded. Raises `LoadError`, `OptionError`."""
+    from feeler.io.text import text_of
+    from feeler.workbench.document.task_commands import MOST_TOML
+
+    if source == _BUILT_IN:
+        return "", ""
+    feeler.catalogue(source)
+    path = Path(source)
+    text = text_of(path)
+    if len(text) > MOST_TOML:
+        raise OptionError(f"{source} has {len(text):,} characters: the workbench takes {MOST_TOML:,} at most")
+    return path.name, text
 
 
 @contextlib.contextmanager
@@ -279,6 +310,8 @@ class _Opening:
         """The path of the project, if there is one."""
         self.mechanism: tuple[str, str] | None = None
         """The name and the text of a mechanism of the first mock-up."""
+        self.catalogue: tuple[str, str] | None = None
+        """The name and the text of a catalogue of tools, for all mock-ups."""
         self.on_opened: Callable[[], object] = lambda: None
         """Called when the mock-up is in the session."""
         self._findings = findings
@@ -401,6 +434,8 @@ class _Opening:
         joints, self.mechanism = self.mechanism, None
         if joints is not None:
             _begin_mechanism(session, *joints)
+        if self.catalogue is not None:
+            _begin_catalogue(session, *self.catalogue)
         if is_first and self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.engine.device import DeviceHand
 

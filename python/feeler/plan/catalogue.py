@@ -5,6 +5,7 @@ from __future__ import annotations
 import fnmatch
 import math
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -13,9 +14,9 @@ from typing import Any, overload
 import numpy as np
 
 from feeler.arguments import check_array, check_kind, check_list, check_path, check_real, check_text, near, shown
-from feeler.errors import LoadError, OptionError
+from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.text import text_of
-from feeler.io.toml import parsed_toml, toml_of
+from feeler.io.toml import parsed_toml
 from feeler.mockup import Tool
 from feeler.plan.tool_shapes import ToolShape, cores_of, fist, shape_of
 from feeler.plan.tool_solids import Solid
@@ -30,6 +31,7 @@ LONGEST_MM = 10_000.0
 MOST_EXTENSIONS = 2
 """Extensions of one chain; two only where one is not long enough."""
 _HAND = ("width_mm", "depth_mm", "height_mm")
+_HEADER = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
 _WORDS = ("name", "fits", "sizes", "sizes_mm", "lengths_mm", "threads_mm", "drive_mm", "swing_deg", "step_deg")
 
 
@@ -149,7 +151,17 @@ def catalogue(path: str | os.PathLike[str] | None = None) -> Catalogue:
     if path is None:
         return _built_in()
     file = check_path("path", path)
-    return _read(toml_of(file, "feeler access --write-catalogue FILE writes one"), str(file))
+    try:
+        text = text_of(file)
+    except FileNotFoundError:
+        raise MissingFileError(f"{file} does not exist: feeler access --write-catalogue FILE writes one") from None
+    return parsed_catalogue(text, str(file))
+
+
+def parsed_catalogue(text: str, where: str) -> Catalogue:
+    """The tools in the text of a file, which errors name as `where`. Raises `LoadError`, naming table and line."""
+    data = parsed_toml(text, where)
+    return _read(data, where, _lines(text, data))
 
 
 def built_in_text() -> str:
@@ -159,7 +171,7 @@ def built_in_text() -> str:
 
 @lru_cache(maxsize=1)
 def _built_in() -> Catalogue:
-    return _read(parsed_toml(built_in_text(), "the built-in catalogue"), "the built-in catalogue")
+    return parsed_catalogue(built_in_text(), "the built-in catalogue")
 
 
 @lru_cache(maxsize=1024)
@@ -194,7 +206,17 @@ def _tool(solids: Sequence[tuple[str, Solid]], name: str) -> Tool:
     return Tool(vertices, np.concatenate(faces), name, parts, part_names=[name for name, _ in solids])
 
 
-def _read(data: Mapping[str, Any], where: str) -> Catalogue:
+def _lines(text: str, data: Mapping[str, Any]) -> dict[tuple[str, int], int]:
+    """The lines of the headers, by kind and number; of a kind whose tables are written otherwise, none."""
+    found: dict[str, list[int]] = {}
+    for line, each in enumerate(text.split("\n"), 1):
+        if header := _HEADER.match(each):
+            found.setdefault(header[1], []).append(line)
+    kinds = [kind for kind in found if isinstance(data.get(kind), list) and len(data[kind]) == len(found[kind])]
+    return {(kind, number): line for kind in kinds for number, line in enumerate(found[kind], 1)}
+
+
+def _read(data: Mapping[str, Any], where: str, lines: Mapping[tuple[str, int], int]) -> Catalogue:
     if data.get("version") != 1:
         raise LoadError(f"{where}: version is {shown(data.get('version'))}: this feeler reads catalogues of version 1")
     known = ("version", "hand", *TOOL_KINDS)
@@ -209,7 +231,8 @@ def _read(data: Mapping[str, Any], where: str) -> Catalogue:
         if not isinstance(data[kind], list) or not all(isinstance(each, dict) for each in data[kind]):
             raise LoadError(f"{where}: {kind!r} is no list of tables: begin each with [[{kind}]]")
         for number, table in enumerate(data[kind], 1):
-            rows += _rows(kind, table, f"{where}, [[{kind}]] {number}")
+            line = f" in line {lines[kind, number]}" if (kind, number) in lines else ""
+            rows += _rows(kind, table, f"{where}, [[{kind}]] {number}{line}")
     if not rows:
         raise LoadError(f"{where}: there is no tool: add [[socket]], [[ring]] and the like")
     try:
@@ -253,7 +276,7 @@ def _rows(kind: str, table: Mapping[str, Any], where: str) -> Iterator[ToolSpec]
         lengths = {name: MM * column[k] for name, column in columns.items()}
         for note, shape in _variants(kind, lengths):
             name = " ".join(each for each in (base, labels[k]) if each) + end + note
-            _check(kind, sizes[k], shape, f"{where}, {name}")
+            _check(kind, sizes[k], shape, f"{where}: {name}")
             yield ToolSpec(kind, name, sizes[k], fits, threads[k], drive, swing, step, tuple(sorted(shape.items())))
 
 

@@ -328,6 +328,10 @@ class ViewCommands:
         """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again."""
         return self._command("task_times", toml=toml, name=name)
 
+    def task_catalogue(self, toml: str, name: str | None = None) -> CommandAnswer:
+        """Takes a catalogue of tools (TOML, as of `feeler access --write-catalogue`) for tasks that choose from one."""
+        return self._command("task_catalogue", toml=toml, name=name)
+
     def way_take(
         self, id: int | None = None, steps: int | None = None, ways: list[GivenWay] | None = None
     ) -> CommandAnswer:

@@ -357,6 +357,8 @@ export interface TaskEdits {
   readonly before: readonly [string, string][];
   /** A digest of the table of times; empty: the examples. */
   readonly table: string;
+  /** A digest of the catalogue, where tools are chosen from it; empty: the built-in one. */
+  readonly catalogue: string;
 }
 
 /** The table of times that tasks use. */
@@ -365,6 +367,14 @@ export interface TaskTimes {
   readonly name: string;
   /** How many of the elements it gives. */
   readonly given: number;
+}
+
+/** The catalogue that tools of tasks are chosen from. */
+export interface TaskCatalogue {
+  /** Of its file; empty: the built-in one. */
+  readonly name: string;
+  /** How many it has. */
+  readonly tools: number;
 }
 
 /** The parts that a joint moves, at its worst position. */
@@ -923,6 +933,7 @@ export interface Document {
   readonly cards: readonly Card[];
   readonly clash: ClashSettings;
   readonly task_times: TaskTimes;
+  readonly task_catalogue: TaskCatalogue;
   readonly requirements: readonly KeptClear[];
   readonly material: Material | null;
   /** What puts answers about mock-up and tool in doubt, as their loaders found. */
@@ -1446,6 +1457,8 @@ export interface Commands {
   };
   /** Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again. */
   readonly task_times: { readonly toml: string; readonly name?: string };
+  /** Takes a catalogue of tools (TOML, as of `feeler access --write-catalogue`) for tasks that choose from one. */
+  readonly task_catalogue: { readonly toml: string; readonly name?: string };
   /** Takes parts out along the ways of a card, and adds them to the sequence. */
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
   /** Asks whether the way of a line of the sequence holds: at every pose, and between them. */

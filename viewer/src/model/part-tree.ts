@@ -77,6 +77,18 @@ export class PartTree {
     return found;
   }
 
+  /** The group whose parts these are, all of them and no other; null: there is none. */
+  groupOf(parts: ReadonlySet<number>): PartNode | null {
+    const [first] = parts;
+    if (first === undefined || parts.size < 2 || this.nodeOf(first) < 0) return null;
+    for (const index of this.above(this.nodeOf(first))) {
+      const under = this.partsUnder(index);
+      if (under.length < parts.size) continue;
+      return under.length === parts.size && under.every((part) => parts.has(part)) ? this.node(index) : null;
+    }
+    return null;
+  }
+
   /** The ids of the parts whose path has every word of `query`; or those of `found`, where the server searched. */
   matching(query: string, found: ReadonlySet<number> | null = null): number[] {
     const isMatch = this.test(query, found);

@@ -1,6 +1,6 @@
 // The page's data as signals: the server's document, the newest state, and the page's own state.
 
-import { computed, signal } from "@preact/signals";
+import { computed, type Signal, signal } from "@preact/signals";
 import type { Opens } from "../link/openings";
 import type {
   CardAnswer,
@@ -75,6 +75,9 @@ export interface WayMarks {
 
 export const NO_WAY: WayMarks = { path: [], gap: null, fan: null };
 
+/** What tasks use of files of the user, by the command that takes them. */
+export type TaskFile = "task_times" | "task_catalogue";
+
 export class Store {
   readonly document = signal<Document | null>(null);
   /** The newest state, and only in frames that draw it: panels that show figures follow `shown_state`. */
@@ -132,6 +135,11 @@ export class Store {
   readonly answers = signal<ReadonlyMap<number, CardAnswer>>(new Map());
   /** Which tools a task is planned with; none: their reach is not checked. */
   readonly task_tools = signal<"catalogue" | "own" | "none">("catalogue");
+  /** Why files that were opened for tasks are not used; empty: nothing is wrong. */
+  readonly task_troubles: Readonly<Record<TaskFile, Signal<string>>> = {
+    task_times: signal(""),
+    task_catalogue: signal(""),
+  };
   /** How many people a task is planned for. */
   readonly people_count = signal(1);
   readonly film = signal<Film | null>(null);

@@ -54,6 +54,30 @@ export function clockText(seconds: number): string {
   return minutes < 60 ? `${minutes} min ${whole % 60} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
+/** The names of parts by their paths: the last word, and as many before it as tell them apart. */
+export function shortNames(paths: readonly string[]): ReadonlyMap<string, string> {
+  const words = new Map(paths.map((path) => [path, 1]));
+  const named = (path: string): string =>
+    path
+      .split("/")
+      .slice(-(words.get(path) ?? 1))
+      .join("/");
+  for (let isMore = true; isMore; ) {
+    isMore = false;
+    const alike = new Map<string, string[]>();
+    for (const path of words.keys()) alike.set(named(path), [...(alike.get(named(path)) ?? []), path]);
+    for (const group of alike.values()) {
+      for (const path of group.length > 1 ? group : []) {
+        const count = words.get(path) ?? 1;
+        if (count >= path.split("/").length) continue;
+        words.set(path, count + 1);
+        isMore = true;
+      }
+    }
+  }
+  return new Map([...words.keys()].map((path) => [path, named(path)]));
+}
+
 /** How much of a fastener is seen from the best eye, in words. */
 export function sightText(share: number): string {
   if (share <= 0) return "Not visible from any side";

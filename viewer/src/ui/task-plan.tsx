@@ -5,6 +5,7 @@ import { useEffect, useState } from "preact/hooks";
 import { showPart } from "../actions/cards";
 import { editTask, showStep } from "../actions/tasks";
 import type { Card, CardAnswer, TaskAnswer, TaskSight, TaskStepFacts } from "../link/protocol";
+import type { Way } from "../model/film";
 import {
   clockText,
   endOf,
@@ -12,6 +13,7 @@ import {
   lanesOf,
   minutesText,
   parseSeconds,
+  shortNames,
   sightText,
   ticksOf,
   VERBS,
@@ -19,7 +21,10 @@ import {
 } from "../model/task";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
-import { WayPlayer } from "./way";
+import { WayPlayer, wayText } from "./way";
+
+/** Share of the axis from which a figure has no room to the right of its mark. */
+const LATE = 0.9;
 
 /** The answer of a task. */
 export function TaskPlan({ card, answer, task }: { card: Card; answer: CardAnswer; task: TaskAnswer }) {
@@ -27,18 +32,31 @@ export function TaskPlan({ card, answer, task }: { card: Card; answer: CardAnswe
   const film = store.film.value?.card === card.id ? store.film.value : null;
   const number = Math.min(film?.step ?? 0, task.steps.length - 1);
   const step = task.steps[number];
+  const { off, times, before } = card.edits;
+  const edited = [...off, ...times.map(([path]) => path), ...before.flat()];
+  const paths = store.paths.value;
+  const names = shortNames([...task.steps.map((each) => paths[each.part] ?? ""), ...edited]);
+  const nameOf = (part: number): string => names.get(paths[part] ?? "") || store.nameOf(part);
   return (
     <div class="task">
       {!task.is_complete && <p class="note">The search ended at its limit: there may be a quicker plan.</p>}
       {step && (
         <>
-          <Gantt card={card} answer={answer} task={task} current={number} />
-          <StepDetail key={`${card.id} ${number}`} card={card} task={task} step={step} number={number} />
+          <Gantt card={card} answer={answer} task={task} current={number} nameOf={nameOf} />
+          <StepDetail
+            key={`${card.id} ${number}`}
+            card={card}
+            task={task}
+            step={step}
+            number={number}
+            way={answer.ways[number]}
+            nameOf={nameOf}
+          />
           <WayPlayer card={card} answer={answer} />
         </>
       )}
       <Blocked task={task} />
-      <Edits card={card} />
+      <Edits card={card} names={names} />
       {task.notes.map((note) => (
         <p key={note} class="note">
           {note}
@@ -48,7 +66,15 @@ export function TaskPlan({ card, answer, task }: { card: Card; answer: CardAnswe
   );
 }
 
-function Gantt(props: { card: Card; answer: CardAnswer; task: TaskAnswer; current: number }) {
+interface GanttProps {
+  card: Card;
+  answer: CardAnswer;
+  task: TaskAnswer;
+  current: number;
+  nameOf: (part: number) => string;
+}
+
+function Gantt(props: GanttProps) {
   const { task } = props;
   const end = endOf(task);
   const lanes = lanesOf(task);
@@ -67,7 +93,7 @@ function Gantt(props: { card: Card; answer: CardAnswer; task: TaskAnswer; curren
       ))}
       <div class="gantt-axis" aria-hidden="true">
         {ticksOf(end).map((tick) => (
-          <span key={tick} style={{ left: `${(100 * tick) / end}%` }}>
+          <span key={tick} class={tick > LATE * end ? "late" : ""} style={{ left: `${(100 * tick) / end}%` }}>
             {minutesText(tick)}
           </span>
         ))}
@@ -84,9 +110,10 @@ interface LaneProps {
   card: Card;
   answer: CardAnswer;
   current: number;
+  nameOf: (part: number) => string;
 }
 
-function LaneRows({ lane, end, isAlone, card, answer, current }: LaneProps) {
+function LaneRows({ lane, end, isAlone, card, answer, current, nameOf }: LaneProps) {
   const wb = useWorkbench();
   const name = `Steps of person ${lane.person + 1}`;
   return (
@@ -103,7 +130,7 @@ function LaneRows({ lane, end, isAlone, card, answer, current }: LaneProps) {
               onClick={() => showStep(wb, card.id, answer, number)}
             >
               <span class="gantt-name">
-                {`${number + 1} ${step.verb} ${wb.store.nameOf(step.part)}`}
+                {`${number + 1} ${step.verb} ${nameOf(step.part)}`}
                 <span class="note">{`${step.is_typed ? "typed · " : ""}${clockText(step.seconds)}`}</span>
               </span>
               <span class="gantt-track">
@@ -120,8 +147,16 @@ function LaneRows({ lane, end, isAlone, card, answer, current }: LaneProps) {
   );
 }
 
-function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; number: number }) {
-  const { card, task, step, number } = props;
+interface StepProps {
+  card: Card;
+  task: TaskAnswer;
+  step: TaskStepFacts;
+  number: number;
+  way: Way | undefined;
+  nameOf: (part: number) => string;
+}
+
+function StepDetail({ card, task, step, number, way, nameOf }: StepProps) {
   const wb = useWorkbench();
   const { store } = wb;
   const later = useSignal("");
@@ -130,7 +165,7 @@ function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; 
   const others = task.steps.flatMap((other, k) => (k < number && other.part !== step.part ? [{ other, k }] : []));
   return (
     <section class="task-step" aria-label={`Step ${number + 1}`}>
-      <h3>{`${number + 1} ${step.verb} ${store.nameOf(step.part)}`}</h3>
+      <h3>{`${number + 1} ${step.verb} ${nameOf(step.part)}`}</h3>
       <dl class="facts">
         <div>
           <dt>tool</dt>
@@ -146,6 +181,12 @@ function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; 
           <dt>time</dt>
           <dd>{`${clockText(step.seconds)} ± ${clockText(step.spread)}${step.is_typed ? ", typed" : ""}`}</dd>
         </div>
+        {way && way.length > 0 && (
+          <div>
+            <dt>way</dt>
+            <dd>{wayText(way, store.unit.value)}</dd>
+          </div>
+        )}
       </dl>
       <p class="note">{step.arithmetic.replaceAll("+-", "±")}</p>
       {step.verb !== "take out" && <Sight card={card.id} task={task} number={number} />}
@@ -180,7 +221,7 @@ function StepDetail(props: { card: Card; task: TaskAnswer; step: TaskStepFacts; 
               <option value="">choose a step</option>
               {others.map(({ other, k }) => (
                 <option key={k} value={String(other.part)}>
-                  {`${k + 1} ${other.verb} ${store.nameOf(other.part)}`}
+                  {`${k + 1} ${other.verb} ${nameOf(other.part)}`}
                 </option>
               ))}
             </select>
@@ -315,12 +356,12 @@ function Blocked({ task }: { task: TaskAnswer }) {
 }
 
 /** What the user changed of the plan, to take back. */
-function Edits({ card }: { card: Card }) {
+function Edits({ card, names }: { card: Card; names: ReadonlyMap<string, string> }) {
   const wb = useWorkbench();
   const isLocked = wb.store.is_read_only.value;
   const { off, times, before } = card.edits;
   if (off.length + times.length + before.length === 0) return null;
-  const last = (path: string): string => path.split("/").at(-1) ?? path;
+  const last = (path: string): string => names.get(path) ?? path;
   const rows = [
     ...off.map((path) => ({ text: `${last(path)} is already off`, undo: () => editTask(wb, card, "on", path) })),
     ...times.map(([path, seconds]) => ({

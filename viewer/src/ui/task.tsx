@@ -1,6 +1,7 @@
 // The panel of tasks: asks how parts are taken out, and lists the plans.
 
-import { dropTimes, openTimes } from "../actions/tasks";
+import { dropTaskFile, openTaskFile } from "../actions/tasks";
+import type { TaskFile } from "../model/store";
 import { CardItem } from "./cards";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton } from "./fields";
@@ -10,32 +11,55 @@ const MOST_PEOPLE = 8;
 /** Of a table of times. */
 const ELEMENTS = 9;
 
-/** The table of times of all plans. */
-function TimesTable() {
+/** A file that all plans use: its name, what is in it, and a way back. */
+function FileRow(props: { kind: TaskFile; said: string; more: string; open: string; title: string; drop: string }) {
+  const { kind, said, more, open, title, drop } = props;
   const wb = useWorkbench();
-  const times = wb.store.document.value?.task_times;
-  if (!times) return null;
   const isLocked = wb.store.is_read_only.value;
-  const hasTable = times.name !== "";
+  const trouble = wb.store.task_troubles[kind].value;
   return (
-    <div class="task-times">
-      <span class="task-times-name">
-        {hasTable ? `Times of ${times.name}` : "Times are examples, not measured"}
-        {hasTable && <span class="note">{`${times.given} of ${ELEMENTS} elements; others are examples`}</span>}
+    <div class="task-file">
+      <span class="task-file-name">
+        {said}
+        {more && <span class="note">{more}</span>}
       </span>
-      <button
-        type="button"
-        class="button"
-        disabled={isLocked}
-        title="A table as feeler task --write-times writes it (TOML)"
-        onClick={() => openTimes(wb)}
-      >
-        Open times
+      <button type="button" class="button" disabled={isLocked} title={title} onClick={() => openTaskFile(wb, kind)}>
+        {open}
       </button>
-      {hasTable && (
-        <IconButton icon="close" label="Use the example times" disabled={isLocked} run={() => dropTimes(wb)} />
+      {more && <IconButton icon="close" label={drop} disabled={isLocked} run={() => dropTaskFile(wb, kind)} />}
+      {trouble && (
+        <p class="task-file-trouble" role="alert">
+          {trouble}
+        </p>
       )}
     </div>
+  );
+}
+
+/** The catalogue of tools and the table of times of all plans. */
+function Files() {
+  const document = useWorkbench().store.document.value;
+  if (!document) return null;
+  const { task_catalogue: tools, task_times: times } = document;
+  return (
+    <>
+      <FileRow
+        kind="task_catalogue"
+        said={tools.name ? `Tools of ${tools.name}` : "Tools of the built-in catalogue"}
+        more={tools.name && `${tools.tools} ${tools.tools === 1 ? "tool" : "tools"}`}
+        open="Open catalogue"
+        title="A catalogue as feeler access --write-catalogue writes it (TOML)"
+        drop="Use the built-in catalogue"
+      />
+      <FileRow
+        kind="task_times"
+        said={times.name ? `Times of ${times.name}` : "Times are examples, not measured"}
+        more={times.name && `${times.given} of ${ELEMENTS} elements; others are examples`}
+        open="Open times"
+        title="A table as feeler task --write-times writes it (TOML)"
+        drop="Use the example times"
+      />
+    </>
   );
 }
 
@@ -44,7 +68,8 @@ export function TaskPanel() {
   const cards = (store.document.value?.cards ?? []).filter((card) => card.question === "task");
   const selection = store.selection.value;
   const only = selection.size === 1 ? [...selection][0] : undefined;
-  const what = only !== undefined ? store.nameOf(only) : partsText(selection.size, String);
+  const group = store.tree.value.groupOf(selection)?.name;
+  const what = only !== undefined ? store.nameOf(only) : (group ?? partsText(selection.size, String));
   return (
     <div class="panel-body">
       <section>
@@ -84,7 +109,7 @@ export function TaskPanel() {
             </select>
           </label>
         </div>
-        <TimesTable />
+        <Files />
         <div class="button-column">
           <CommandButton id="ask-task" icon="spanner" text="How is it taken out?" />
         </div>

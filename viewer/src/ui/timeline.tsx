@@ -35,6 +35,8 @@ export interface TimelineProps {
   readonly disabled?: boolean;
   /** The entries are folded away at first. */
   readonly is_compact?: boolean;
+  /** The entries are listed elsewhere. */
+  readonly is_bare?: boolean;
   /** Plays from where it is, or pauses; null: it plays elsewhere. */
   readonly toggle: (() => void) | null;
   readonly go: (seconds: number) => void;
@@ -113,9 +115,12 @@ export function Timeline(props: TimelineProps) {
           ))}
         </select>
       </div>
-      {(gaps.length > 1 || stops.length > 1) && <GapCurve {...props} share={share} isLocked={isLocked} />}
+      {(gaps.length > 1 || (stops.length > 1 && !props.is_bare)) && (
+        <GapCurve {...props} share={share} isLocked={isLocked} />
+      )}
       <p class="note">{text}</p>
       {stops.length > 1 &&
+        !props.is_bare &&
         (props.is_compact ? (
           <details>
             <summary>{`${stops.length} entries`}</summary>
@@ -146,7 +151,11 @@ function GapCurve(props: TimelineProps & { share: number; isLocked: boolean }) {
         preserveAspectRatio="none"
         role="img"
         aria-label={
-          least?.gap != null ? `Gap along ${props.name}, least ${formatLength(least.gap, unit)}` : "Nothing comes near"
+          least?.gap != null
+            ? `Gap along ${props.name}, least ${formatLength(least.gap, unit)}`
+            : gaps.length > 0
+              ? "Nothing comes near"
+              : `Entries of ${props.name} over time`
         }
         onClick={(event) => {
           if (isLocked) return;

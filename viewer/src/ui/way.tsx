@@ -10,8 +10,9 @@ import { Icon } from "./icons";
 import { Timeline } from "./timeline";
 import { counted, partsText } from "./words";
 
-/** A film with its timeline: of a card, or of the sequence. */
-export function FilmPlayer({ of, ways, name }: { of: FilmOf; ways: readonly Way[]; name: string }) {
+/** A film with its timeline: of a card, or of the sequence. is_bare: its steps are listed elsewhere. */
+export function FilmPlayer(props: { of: FilmOf; ways: readonly Way[]; name: string; is_bare?: boolean }) {
+  const { of, ways, name, is_bare = false } = props;
   const wb = useWorkbench();
   const { store } = wb;
   const film = store.film.value?.card === of ? store.film.value : null;
@@ -26,6 +27,7 @@ export function FilmPlayer({ of, ways, name }: { of: FilmOf; ways: readonly Way[
         title: stepText(way, (part) => store.nameOf(part)),
         note: wayText(way, store.unit.value),
       }))}
+      is_bare={is_bare}
       is_playing={film?.is_playing ?? false}
       toggle={() => playFilm(wb, of)}
       go={(seconds) => scrub(wb, of, seconds)}
@@ -44,7 +46,12 @@ export function WayPlayer({ card, answer }: { card: Card; answer: CardAnswer }) 
   const isSeveral = answer.ways.length > 1;
   return (
     <div class="way">
-      <FilmPlayer of={card.id} ways={answer.ways} name={isSeveral ? "all steps" : "the way"} />
+      <FilmPlayer
+        of={card.id}
+        ways={answer.ways}
+        name={isSeveral ? "all steps" : "the way"}
+        is_bare={card.question === "task"}
+      />
       {way.hit && (
         <button type="button" class="link" onClick={() => showHit(wb, card.id, step, way)}>
           {`Show where it meets ${store.nameOf(way.hit.part)}`}
@@ -140,7 +147,7 @@ export function GuideButton({ of, parts }: { of: GuideOf; parts: readonly number
   );
 }
 
-const wayText = (way: Way, unit: Unit): string =>
+export const wayText = (way: Way, unit: Unit): string =>
   [
     formatLength(way.length, unit),
     ...(way.rotation > 0.01 ? [`turned ${formatAngle(way.rotation)}`] : []),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import takewhile
 from types import MappingProxyType
 from typing import Any, get_args
 
@@ -88,7 +89,11 @@ def tasks_again(document: Document, known: Callable[[], Known]) -> Document:
     """The document with the questions of tasks asked again whose edits changed, as by undo."""
     waiting = []
     for card in document.cards:
-        edits = replace(document.task_edits.get(card.id, NO_EDIT), table=document.task_times.digest)
+        edits = replace(
+            document.task_edits.get(card.id, NO_EDIT),
+            table=document.task_times.digest,
+            catalogue="" if "tools" in card.options else document.task_catalogue.digest,
+        )
         if card.question == "task" and card.edits != edits:
             here = known()
             gone = {*here.absent, *document.out, *document.gripped}
@@ -283,16 +288,29 @@ def given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
 
 
 def _title(question: str, parts: tuple[int, ...], options: dict[str, Any], known: Known) -> str:
-    what = named(parts, known)
+    group = _group(parts, known)
+    what, is_one = group or named(parts, known), len(parts) == 1 or group != ""
     if question == "access" and "tools" in options:
         return f"Which tool reaches {what or 'which fasteners'}?"
     if question == "access":
         return f"Does the {options['tool']} reach {what or 'all fasteners'}?"
     if question == "task":
-        return f"How is {what} taken out?" if len(parts) == 1 else f"How are {what} taken out?"
+        return f"How {'is' if is_one else 'are'} {what} taken out?"
     if question == "order":
-        return f"What has to go before {what} {'comes' if len(parts) == 1 else 'come'} out?"
+        return f"What has to go before {what} {'comes' if is_one else 'come'} out?"
     return f"Can {what} come out?" if question == "removal" else f"What room does {what} need to come out?"
+
+
+def _group(parts: tuple[int, ...], known: Known) -> str:
+    """The name of the group of the tree that these parts are; empty: they are one part, or no whole group."""
+    if len(parts) < 2:
+        return ""
+    paths = [known.parts[part].path for part in parts]
+    first, last = (each.split("/")[:-1] for each in (min(paths), max(paths)))
+    folders = [one for one, _ in takewhile(lambda pair: pair[0] == pair[1], zip(first, last, strict=False))]
+    if not folders or {each.index for each in known.parts.find("/".join(folders))} - known.absent != {*parts}:
+        return ""
+    return folders[-1]
 
 
 def named(parts: tuple[int, ...], known: Known) -> str:

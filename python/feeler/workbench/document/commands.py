@@ -80,7 +80,7 @@ from feeler.workbench.document.requirement_commands import (
     requirement_remove,
     requirements_checked,
 )
-from feeler.workbench.document.task_commands import task_edit, task_times
+from feeler.workbench.document.task_commands import task_catalogue, task_edit, task_times
 
 LEAST_MOVED_M = 1e-3
 """Parts that a release left nearer than this to where they were gripped add no line to the sequence."""
@@ -540,6 +540,7 @@ COMMANDS: dict[str, Command] = {
         {"id": int, "edit": TaskEditKind, "parts": Selection, "seconds": Maybe(float), "later": Maybe(Selection)},
     ),
     "task_times": Command(task_times, {"toml": str, "name": Maybe(str)}),
+    "task_catalogue": Command(task_catalogue, {"toml": str, "name": Maybe(str)}),
     "way_take": Command(
         cards.way_take, {"id": Maybe(int), "steps": Maybe(int), "ways": Maybe(list[GivenWay])}, moves_hand=True
     ),

@@ -313,13 +313,15 @@ class TaskEdits:
     """What the user changed of a task, by paths.
 
     off: parts that are off already. times: of parts, the seconds of their steps. before: pairs of parts of which the
-    first goes before the second. table: of the table of times, a digest; empty: the examples.
+    first goes before the second. table: of the table of times, a digest; empty: the examples. catalogue: likewise of
+    that of tools, where they are chosen from it; empty: the built-in one.
     """
 
     off: tuple[str, ...] = ()
     times: tuple[tuple[str, float], ...] = ()
     before: tuple[tuple[str, str], ...] = ()
     table: str = ""
+    catalogue: str = ""
 
 
 @dataclass(frozen=True)
@@ -334,7 +336,26 @@ class TaskTimes:
     @property
     def digest(self) -> str:
         """Of the content; empty without."""
-        return hashlib.blake2b(self.toml.encode(), digest_size=8).hexdigest() if self.toml else ""
+        return _digest(self.toml)
+
+
+@dataclass(frozen=True)
+class TaskCatalogue:
+    """The catalogue that tools of tasks are chosen from: the name of its file, TOML, and how many tools it has. Empty:
+    the built-in one."""
+
+    name: str = ""
+    toml: str = ""
+    tools: int = 0
+
+    @property
+    def digest(self) -> str:
+        """Of the content; empty without."""
+        return _digest(self.toml)
+
+
+def _digest(text: str) -> str:
+    return hashlib.blake2b(text.encode(), digest_size=8).hexdigest() if text else ""
 
 
 NO_EDIT = TaskEdits()
@@ -448,6 +469,7 @@ class Document:
     cards: tuple[Card, ...] = ()
     task_edits: Mapping[int, TaskEdits] = field(default_factory=lambda: NO_EDITS)
     task_times: TaskTimes = TaskTimes()
+    task_catalogue: TaskCatalogue = TaskCatalogue()
     clash: ClashSettings = field(default_factory=ClashSettings)
     requirements: tuple[KeptClear, ...] = ()
     material: str | None = None
@@ -480,6 +502,7 @@ _KEPT_BACK_OF = {
     Measure: {"parts"},
     MechanismState: {"order", "text"},
     TaskTimes: {"toml"},
+    TaskCatalogue: {"toml"},
     JointRange: {"key"},
     JointStep: {"start"},
 }

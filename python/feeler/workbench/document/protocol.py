@@ -33,7 +33,7 @@ from feeler.workbench.document.protocol_findings import (
 )
 from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
-from feeler.workbench.document.protocol_task import TaskEditKind, TaskEdits, TaskTimes
+from feeler.workbench.document.protocol_task import TaskCatalogue, TaskEditKind, TaskEdits, TaskTimes
 from feeler.workbench.document.protocol_values import Camera, CameraPlace, Vec3
 
 __all__ = [
@@ -336,6 +336,7 @@ class DocumentFields(TypedDict):
     cards: list[Card]
     clash: ClashSettings
     task_times: TaskTimes
+    task_catalogue: TaskCatalogue
     requirements: list[KeptClear]
     material: Material | None
     doubts: list[str]

@@ -18,6 +18,8 @@ class TaskEdits(TypedDict):
     """Pairs of paths: the first goes before the second."""
     table: str
     """A digest of the table of times; empty: the examples."""
+    catalogue: str
+    """A digest of the catalogue, where tools are chosen from it; empty: the built-in one."""
 
 
 class TaskTimes(TypedDict):
@@ -27,3 +29,12 @@ class TaskTimes(TypedDict):
     """Of its file; empty: all figures are examples."""
     given: int
     """How many of the elements it gives."""
+
+
+class TaskCatalogue(TypedDict):
+    """The catalogue that tools of tasks are chosen from."""
+
+    name: str
+    """Of its file; empty: the built-in one."""
+    tools: int
+    """How many it has."""

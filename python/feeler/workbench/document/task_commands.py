@@ -1,5 +1,5 @@
-"""Edits of tasks: parts that are off already, typed times, and a forced order. Undo takes them back; the question of
-the card is asked again at once."""
+"""Edits of tasks: parts that are off already, typed times, and a forced order; and what all tasks use, the table of
+times and the catalogue of tools. Undo takes them back; the question of the card is asked again at once."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from types import MappingProxyType
 from typing import Any
 
 from feeler.errors import LoadError
+from feeler.plan.catalogue import parsed_catalogue
 from feeler.tasks.times import Times
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.document import NO_EDIT, Document, TaskEdits, TaskTimes
+from feeler.workbench.document.document import NO_EDIT, Document, TaskCatalogue, TaskEdits, TaskTimes
 from feeler.workbench.document.known import Known
 
 LONGEST_S = 1e6
 """Of a typed time, seconds."""
 MOST_EDITS = 1000
-MOST_TIMES = 90_000
-"""Characters of a table of times."""
+MOST_TOML = 90_000
+"""Characters of a table of times, or of a catalogue."""
 MOST_NAME = 200
 
 
@@ -44,18 +45,38 @@ def task_times(document: Document, given: Arguments, known: Known) -> Document:
 
     An empty text takes the examples again.
     """
-    toml: Any = given.raw("toml", str)
-    if not isinstance(toml, str) or len(toml) > MOST_TIMES:
-        raise given.fail("toml", "it is no text, or too long", f"send at most {MOST_TIMES:,} characters")
+    toml, name = _file(given, "times")
     if not toml.strip():
         return replace(document, task_times=TaskTimes())
-    name = given.text("name")[:MOST_NAME] if given.has("name") else "times"
     try:
         table = Times.parse(toml)
     except LoadError as error:
         said = str(error).removeprefix("times: ")
         raise given.fail("toml", f"{name}: {said}", "docs/task.md has the form") from None
     return replace(document, task_times=TaskTimes(name, toml, len(table.elements) - len(table.examples)))
+
+
+def task_catalogue(document: Document, given: Arguments, known: Known) -> Document:
+    """Takes a catalogue of tools (TOML, as of `feeler access --write-catalogue`) for tasks that choose from one.
+
+    They are planned again. An empty text takes the built-in one again.
+    """
+    toml, name = _file(given, "catalogue")
+    if not toml.strip():
+        return replace(document, task_catalogue=TaskCatalogue())
+    try:
+        tools = len(parsed_catalogue(toml, name))
+    except LoadError as error:
+        raise given.fail("toml", str(error), "docs/access.md has the form") from None
+    return replace(document, task_catalogue=TaskCatalogue(name, toml, tools))
+
+
+def _file(given: Arguments, default: str) -> tuple[str, str]:
+    """The text of a file, and its name."""
+    toml: Any = given.raw("toml", str)
+    if not isinstance(toml, str) or len(toml) > MOST_TOML:
+        raise given.fail("toml", "it is no text, or too long", f"send at most {MOST_TOML:,} characters")
+    return toml, given.text("name")[:MOST_NAME] if given.has("name") else default
 
 
 def _off(edits: TaskEdits, given: Arguments, known: Known) -> TaskEdits:

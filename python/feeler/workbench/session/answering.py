@@ -69,6 +69,8 @@ class Asked:
     edits: TaskEdits = NO_EDIT
     times: str = ""
     """Of a task: the table of times, TOML."""
+    catalogue: str = ""
+    """Of a task: the catalogue of tools, TOML; empty: the built-in one."""
     memory: Memory = field(default_factory=Memory)
     """Of a task: what its plans before edits found."""
 

@@ -37,7 +37,7 @@ from feeler.workbench.document.answers import (
 )
 from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
-from feeler.workbench.document.document import Document, active_planes, plain
+from feeler.workbench.document.document import Card, Document, active_planes, plain
 from feeler.workbench.document.joints import is_at, loose
 from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
 from feeler.workbench.document.protocol_findings import FindingFormat
@@ -96,7 +96,7 @@ class Place:
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
     card. recorded: the record to replay, if there is one. history: of statuses, of a project. joint_to: shows a joint
-    at a value. tool: by its name, of those that may be held or of the catalogue.
+    at a value. tool: of a card, by its name.
     """
 
     document: Document
@@ -111,7 +111,7 @@ class Place:
     recorded: Recorded | None = None
     history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
     joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
-    tool: Callable[[str], Tool] | None = None
+    tool: Callable[[Card, str], Tool] | None = None
 
 
 @dataclass(frozen=True)
@@ -170,16 +170,21 @@ def card(place: Place, given: Arguments) -> CardAnswer:
 
 def task_tool(place: Place, given: Arguments) -> ToolGhost | None:
     """The tool of a step of a task in its seat; None: the step has none."""
-    found = place.cards(given.whole("id")).get("task")
+    which, number = given.whole("id"), given.whole("step")
+    found = place.cards(which).get("task")
     steps = [] if found is None else found["steps"]
-    number = given.whole("step")
     if number >= len(steps):
         raise given.fail("step", f"there is no step {number}", f"it has {plural(len(steps), 'step')}")
-    way = steps[number]["tool_way"]
-    if not way or place.tool is None:
+    way, card = steps[number]["tool_way"], card_of(place.document, which)
+    if not way or place.tool is None or card is None:
         return None
-    geometry = HeldGeometry(tool_at(place.tool(steps[number]["tool"]), way[-1]), 0)
+    geometry = HeldGeometry(tool_at(place.tool(card, steps[number]["tool"]), way[-1]), 0)
     return {"manifest": geometry.manifest(), "data": base64.b64encode(geometry.data()).decode("ascii")}
+
+
+def card_of(document: Document, number: int) -> Card | None:
+    """A card by its number; None: it is gone."""
+    return next((each for each in document.cards if each.id == number), None)
 
 
 def task_sight(place: Place, given: Arguments) -> TaskSight | None:
@@ -189,7 +194,7 @@ def task_sight(place: Place, given: Arguments) -> TaskSight | None:
     steps = answer["task"]["steps"] if "task" in answer else []
     if which >= len(steps):
         raise given.fail("step", f"there is no step {which}", f"it has {plural(len(steps), 'step')}")
-    card = next((each for each in place.document.cards if each.id == number), None)
+    card = card_of(place.document, number)
     if card is None or steps[which]["verb"] not in ("undo", "disconnect"):
         return None
     gone = {*gone_before(steps, answer["ways"], which), *card.without}

@@ -167,7 +167,15 @@ class Cards:
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
         asked = Asked(
-            scene, there, card.options, tools, hands.built_in(), threads, card.edits, document.task_times.toml
+            scene,
+            there,
+            card.options,
+            tools,
+            hands.built_in(),
+            threads,
+            card.edits,
+            document.task_times.toml,
+            document.task_catalogue.toml,
         )
         if card.question != "task":
             return ANSWERS[card.question](asked, progress)

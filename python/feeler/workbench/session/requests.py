@@ -71,7 +71,7 @@ class Requests:
                 self.recorded,
                 self.history,
                 self.joint_to,
-                lambda name: tool_called(hands, name),
+                lambda card, name: tool_called(hands, document, card, name),
             )
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:

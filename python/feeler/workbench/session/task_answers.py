@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from feeler.mockup import Mockup, Tool
-from feeler.plan.catalogue import Catalogue, catalogue
+from feeler.plan.catalogue import Catalogue, catalogue, parsed_catalogue
 from feeler.progress import Progress
 from feeler.tasks.answer import Task
 from feeler.tasks.planning import planned
@@ -18,7 +19,7 @@ from feeler.tasks.steps import TaskBlocker, TaskStep, clock
 from feeler.tasks.times import Times, WholePath
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import TaskAnswer, TaskBlockerFacts, TaskStepFacts, WayFacts
-from feeler.workbench.document.document import TaskEdits
+from feeler.workbench.document.document import Card, Document, TaskEdits
 from feeler.workbench.document.known import Way
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.answering import Answered, Asked
@@ -79,10 +80,10 @@ def _times(asked: Asked) -> Times:
 
 
 def _tools(asked: Asked) -> Catalogue | dict[str, Any] | None:
-    """The built-in catalogue unless tools were named; else these by name, each as it is held; None: their reach is not
+    """The catalogue unless tools were named; else these by name, each as it is held; None: their reach is not
     checked."""
     if "tools" not in asked.options:
-        return catalogue()
+        return catalogue_of(asked.catalogue)
     if not asked.tools:
         return None
     is_wrench = {name: name == "wrench" and name in asked.built_in for name in asked.tools}
@@ -154,9 +155,15 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def tool_called(hands: Hands, name: str) -> Tool:
-    """A tool that may be held, or one of the catalogue. Raises `OptionError`."""
-    return hands.tool(name) if name in hands.names else catalogue().tool(name)
+@lru_cache(maxsize=4)
+def catalogue_of(toml: str) -> Catalogue:
+    """That of a document; without a text the built-in one."""
+    return parsed_catalogue(toml, "the catalogue") if toml else catalogue()
+
+
+def tool_called(hands: Hands, document: Document, card: Card, name: str) -> Tool:
+    """The tool of a step of a card: one that may be held, or of the catalogue. Raises `OptionError`."""
+    return hands.tool(name) if "tools" in card.options else catalogue_of(document.task_catalogue.toml).tool(name)
 
 
 def tool_at(tool: Tool, pose: Any) -> Tool:
