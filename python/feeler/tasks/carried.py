@@ -1,0 +1,204 @@
+"""What can leave with a part: smaller parts that are fastened to it alone, with their fasteners, where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from feeler.part_meshes import PartMeshes
+from feeler.plan.question import TARGET
+from feeler.tasks.fixings import Fixings
+from feeler.tasks.together import Together
+
+SMALLER = 1.0 - 1e-6
+"""A part is smaller if it is by more than this share: in another pose sizes differ by rounding."""
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """A fastener, and what it fastens to each other."""
+
+    loosened_by: frozenset[int]
+    """The items of which one is undone: it, or its nut."""
+    members: frozenset[int]
+    """The items that it joins, and itself."""
+
+
+@dataclass(frozen=True)
+class _Load:
+    """What can leave with a part."""
+
+    here: frozenset[int]
+    """The part, and what leaves with it in any case."""
+    riders: frozenset[int]
+    edges: tuple[_Edge, ...]
+    """Those that hold the riders."""
+
+
+class Carried:
+    """The riders of the parts of a question, worked out when they are asked for.
+
+    A part rides on another one that is larger, in surface and in reach from its middle, if nothing fastens it to others:
+    also through other riders. What is kept does not ride, nor what a kept fastener holds. A part that is fastened to no
+    larger one, and to none that is kept, carries only what is smaller than itself all in all: else it is what the
+    others hang on.
+    """
+
+    def __init__(self, question: Together, fixings: Fixings) -> None:
+        self.question, self.fixings = question, fixings
+        self._loads: dict[int, _Load] = {}
+        self._riding: dict[tuple[int, frozenset[int]], frozenset[int]] = {}
+        self._carriers: dict[int, frozenset[int]] = {}
+        self._sizes: dict[int, tuple[float, float]] = {}
+
+    def riders(self, item: int) -> frozenset[int]:
+        """All that can leave with a part."""
+        return self._load(item).riders
+
+    def riding(self, item: int, off: frozenset[int]) -> frozenset[int]:
+        """Those that are still fastened to it when items are off."""
+        load = self._load(item)
+        off &= load.riders
+        if not off:
+            return load.riders
+        if (item, off) not in self._riding:
+            self._riding[item, off] = _joined(load.here, _standing(load.edges, off)) - load.here
+        return self._riding[item, off]
+
+    def carriers(self, item: int) -> frozenset[int]:
+        """The parts that an item can ride on."""
+        if item not in self._carriers:
+            found, seen, waiting = set[int](), {item}, [item]
+            while waiting:
+                for edge in self._by_member.get(waiting.pop(0), ()):
+                    for other in sorted(edge.members - seen):
+                        seen.add(other)
+                        is_carrier = item in self.riders(other)
+                        if is_carrier:
+                            found.add(other)
+                        if is_carrier or other in self.fixings or self._is_smaller(other, item):
+                            waiting.append(other)
+            self._carriers[item] = frozenset(found)
+        return self._carriers[item]
+
+    @cached_property
+    def _by_member(self) -> dict[int, list[_Edge]]:
+        """The fasteners of each item."""
+        question, fixings, found = self.question, self.fixings, dict[int, list[_Edge]]()
+        mask = question.scene.part_mask
+        for part in fixings:
+            joined = [each for each in fixings.joins(part) if mask[each]]
+            if mask[part] and joined:
+                axis = frozenset([part, *fixings.axis_mates(part)])
+                edge = _Edge(axis, frozenset(map(question.node_of, (part, *joined))))
+                for each in edge.members:
+                    found.setdefault(each, []).append(edge)
+        return found
+
+    def _load(self, item: int) -> _Load:
+        if item not in self._loads:
+            self._loads[item] = self._found(item)
+        return self._loads[item]
+
+    def _found(self, item: int) -> _Load:
+        nothing = _Load(frozenset([item]), frozenset(), ())
+        is_part = bool(self.question.wanted) if item == TARGET else item not in self.fixings
+        if not is_part or self._is_kept(item):
+            return nothing
+        own = frozenset(map(self.question.node_of, self.question.parts_of([item])))
+        here = own | {item}
+        touching = [edge for each in sorted(here) for edge in self._by_member.get(each, ()) if edge.members - here]
+        good, edges = self._free(item, here, touching)
+        holding = [edge for edge in touching if edge.members - here <= good]
+        axes = [edge.loosened_by for edge in touching if edge not in holding]
+        holding = [edge for edge in holding if not any(edge.loosened_by & axis for axis in axes)]
+        all_ = tuple(dict.fromkeys([*holding, *edges]))
+        riders = _joined(here, all_) - here
+        if not riders or not (self._hangs(item, here | riders, touching) or self._is_less(riders, item)):
+            return nothing
+        return _Load(here, riders, all_)
+
+    def _free(
+        self, item: int, here: frozenset[int], touching: Iterable[_Edge]
+    ) -> tuple[frozenset[int], list[_Edge]]:
+        """What its fasteners join that may ride and is fastened to nothing else, and the fasteners among that."""
+        good: set[int] = set()
+        bad: set[int] = set()
+        inner: list[_Edge] = []
+        for start in sorted({each for edge in touching for each in edge.members} - here):
+            if start in good | bad:
+                continue
+            seen, waiting, edges, is_good = {start}, [start], list[_Edge](), True
+            while waiting and is_good:
+                each = waiting.pop(0)
+                is_good = self._may_ride(each, item) and each not in bad
+                for edge in self._by_member.get(each, ()) if is_good else ():
+                    if not edge.members & here:
+                        edges.append(edge)
+                        waiting += sorted(edge.members - seen)
+                        seen |= edge.members
+            (good if is_good else bad).update(seen)
+            inner += edges if is_good else []
+        return frozenset(good), inner
+
+    def _may_ride(self, each: int, item: int) -> bool:
+        is_small = each in self.fixings or self._is_smaller(each, item)
+        return each != TARGET and is_small and not self._is_kept(each)
+
+    def _is_kept(self, item: int) -> bool:
+        return bool(self.question.kept.intersection(self.question.parts_of([item])))
+
+    def _hangs(self, item: int, own: frozenset[int], touching: Iterable[_Edge]) -> bool:
+        """Whether a part is fastened to a larger one, or to one that stays."""
+        others = {each for edge in touching for each in edge.members} - own
+        parts = [each for each in others if each not in self.fixings]
+        return any(self._is_kept(each) or not self._is_smaller(each, item) for each in parts)
+
+    def _is_less(self, riders: Iterable[int], item: int) -> bool:
+        """Whether all riders together have less surface than a part."""
+        all_ = sum(self._size(each)[0] for each in riders if each not in self.fixings)
+        return all_ < SMALLER * self._size(item)[0]
+
+    def _is_smaller(self, one: int, other: int) -> bool:
+        mine, its = self._size(one), self._size(other)
+        return mine[0] < SMALLER * its[0] and mine[1] < SMALLER * its[1]
+
+    def _size(self, item: int) -> tuple[float, float]:
+        """The surface of a part, square metres, and how far it reaches from its middle, metres; the largest of wanted
+        ones."""
+        if item not in self._sizes:
+            parts = self.question.wanted if item == TARGET else (item,)
+            sizes = [self._measured(part) for part in parts] or [(0.0, 0.0)]
+            self._sizes[item] = max(each[0] for each in sizes), max(each[1] for each in sizes)
+        return self._sizes[item]
+
+    def _measured(self, part: int) -> tuple[float, float]:
+        corners = self._meshes.corners(part)
+        if not len(corners):
+            return 0.0, 0.0
+        areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        surface = float(areas.sum())
+        middles = corners.mean(axis=1)
+        middle = (areas @ middles) / surface if surface > 0.0 else middles.mean(axis=0)
+        return surface, float(np.linalg.norm(corners - middle, axis=2).max())
+
+    @cached_property
+    def _meshes(self) -> PartMeshes:
+        return PartMeshes(self.question.scene.mockup)
+
+
+def _standing(edges: Iterable[_Edge], off: frozenset[int]) -> list[_Edge]:
+    """The fasteners that hold when items are off."""
+    return [edge for edge in edges if not (edge.loosened_by | edge.members) & off]
+
+
+def _joined(here: frozenset[int], edges: Iterable[_Edge]) -> frozenset[int]:
+    """All that is fastened to some items, with these."""
+    found, left = set(here), list(edges)
+    while near := [edge for edge in left if edge.members & found]:
+        found.update(*(edge.members for edge in near))
+        left = [edge for edge in left if not edge.members & found]
+    return frozenset(found)
