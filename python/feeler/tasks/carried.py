@@ -15,6 +15,9 @@ from feeler.tasks.together import Together
 
 SMALLER = 1.0 - 1e-6
 """A part is smaller if it is by more than this share: in another pose sizes differ by rounding."""
+LITTLE = 0.5
+"""What a part carries that is fastened to no larger one: all riders together have less than this share of its surface.
+With a larger value, what it was to be taken off may leave with it."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,8 @@ class Carried:
 
     A part rides on another one that is larger, in surface and in reach from its middle, if nothing fastens it to others:
     also through other riders. What is kept does not ride, nor what a kept fastener holds. A part that is fastened to no
-    larger one, and to none that is kept, carries only what is smaller than itself all in all: else it is what the
-    others hang on.
+    larger one, and to none that is kept, may be what the others hang on: it carries little only, `LITTLE`, and only if
+    it is wanted or smaller than that. Nothing rides where nothing would be left.
     """
 
     def __init__(self, question: Together, fixings: Fixings) -> None:
@@ -117,7 +120,9 @@ class Carried:
         holding = [edge for edge in holding if not any(edge.loosened_by & axis for axis in axes)]
         all_ = tuple(dict.fromkeys([*holding, *edges]))
         riders = _joined(here, all_) - here
-        if not riders or not (self._hangs(item, here | riders, touching) or self._is_less(riders, item)):
+        question = self.question
+        is_all = len(question.parts_of(here | riders)) >= int(question.scene.part_mask.sum())
+        if not riders or is_all or not (self._hangs(item, here | riders, touching) or self._is_little(riders, item)):
             return nothing
         return _Load(here, riders, all_)
 
@@ -157,10 +162,12 @@ class Carried:
         parts = [each for each in others if each not in self.fixings]
         return any(self._is_kept(each) or not self._is_smaller(each, item) for each in parts)
 
-    def _is_less(self, riders: Iterable[int], item: int) -> bool:
-        """Whether all riders together have less surface than a part."""
+    def _is_little(self, riders: Iterable[int], item: int) -> bool:
+        """Whether all riders together have little surface beside a part, which is wanted or small itself."""
+        if item != TARGET and not self._is_smaller(item, TARGET):
+            return False
         all_ = sum(self._size(each)[0] for each in riders if each not in self.fixings)
-        return all_ < SMALLER * self._size(item)[0]
+        return all_ < SMALLER * LITTLE * self._size(item)[0]
 
     def _is_smaller(self, one: int, other: int) -> bool:
         mine, its = self._size(one), self._size(other)

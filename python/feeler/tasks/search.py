@@ -484,9 +484,9 @@ class Search:
     def _in_order(self, one: _Set) -> tuple[tuple[Ordered, ...] | None, frozenset[int]]:
         """The quickest order of a set; if there is none, items beyond it that may help."""
         carried = self._carried(one)
-        loose = self._loose(one, carried)
-        if loose:
-            return None, loose
+        alone = self._loose(one, carried) | self._dragged(one, carried)
+        if alone:
+            return None, alone
         units = self._units(one, carried)
         if units is None:
             return None, frozenset()
@@ -511,6 +511,12 @@ class Search:
         lost = [way.riding - there for way in one.chosen.values()]
         lost += [way.blockers - there for way in one.chosen.values()]
         return frozenset[int]().union(*lost)
+
+    def _dragged(self, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
+        """What rides on others that leave together with the wanted parts: these are led out of it, not with it."""
+        groups = _groups(self._parts(one, carried))
+        last = next((set(group) for group in groups if self.target in group), set[int]()) - {self.target}
+        return frozenset(each for each, carrier in carried.items() if carrier in last)
 
     def _units(self, one: _Set, carried: Mapping[int, int]) -> list[Unit] | None:
         """The steps of a set, without their order: parts that block each other leave together."""
