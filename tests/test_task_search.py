@@ -30,14 +30,14 @@ class Table:
     def is_turned(self, item: int) -> bool:
         return item in self.tools
 
-    def riders(self, item: int) -> frozenset[int]:
-        return frozenset()
-
     def carriers(self, item: int) -> frozenset[int]:
         return frozenset()
 
-    def riding(self, item: int, off: frozenset[int]) -> frozenset[int]:
+    def riding(self, item: int, off: frozenset[int], on: frozenset[int]) -> frozenset[int]:
         return frozenset()
+
+    def extensions(self, item: int, off: frozenset[int], on: frozenset[int]) -> Sequence[frozenset[int]]:
+        return []
 
     def loads(self, item: int, riding: frozenset[int]) -> Sequence[int]:
         return []

@@ -67,15 +67,13 @@ class _Graph(BlockingGraph):
             self._holding[node] = frozenset(next(iter(each)) for each in joints if len(each) == 1)
         return self._holding[node]
 
-
     def leaving(self, node: int) -> frozenset[int]:
         """The items that are out with a node."""
         question = self.question
         return question.leaving(node) if isinstance(question, Together) else frozenset([node])
 
     def against(self, item: int, direction: Direction, beside: Iterable[int] = ()) -> frozenset[int] | None:
-        """The items in the way of one along a direction, but for some beside it; None if a kept part is, or many are.
-        """
+        """The items in the way of one along a direction, but for some beside it; None if a kept part is, or many are."""
         question = self.question
         own = question.parts_of([item])
         passed = {*question.parts_of(beside), *question.parts_of(self.holding(item))} - set(own)
@@ -134,24 +132,29 @@ class Actions:
     def know(self, other: Actions) -> None:
         """Takes over what other actions of the same question found of the geometry."""
         self.graph, self.rings, self._axis, self.met = other.graph, other.rings, other._axis, other.met
-        self._most, self._holders, self._loads, self._carried = other._most, other._holders, other._loads, other._carried
+        self._most, self._holders, self._loads, self._carried = (
+            other._most,
+            other._holders,
+            other._loads,
+            other._carried,
+        )
         self.graph.clock = self.clock
 
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener that a tool turns."""
         return item != TARGET and self.fixings.is_turned(item)
 
-    def riders(self, item: int) -> frozenset[int]:
-        """As `Problem`."""
-        return self._carried.riders(item)
-
     def carriers(self, item: int) -> frozenset[int]:
         """As `Problem`."""
         return self._carried.carriers(item)
 
-    def riding(self, item: int, off: frozenset[int]) -> frozenset[int]:
+    def riding(self, item: int, off: frozenset[int] = frozenset(), on: frozenset[int] = frozenset()) -> frozenset[int]:
         """As `Problem`."""
-        return self._carried.riding(item, off)
+        return self._carried.riding(item, off, on)
+
+    def extensions(self, item: int, off: frozenset[int], on: frozenset[int]) -> Sequence[frozenset[int]]:
+        """As `Problem`."""
+        return self._carried.extensions(item, off, on)
 
     def node(self, item: int, riding: frozenset[int]) -> int:
         """The node of the graph that is a part with what rides on it."""
@@ -190,7 +193,7 @@ class Actions:
 
     def certain(self, item: int) -> Sequence[frozenset[int]]:
         """The joints of a part that are undone in any case: those of it with all that can ride on it."""
-        return self.holders(item, self.riders(item))
+        return self.holders(item, self.riding(item))
 
     def ways(self, item: int, riding: frozenset[int] = frozenset()) -> Sequence[Way]:
         """As `Problem`."""

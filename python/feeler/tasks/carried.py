@@ -31,45 +31,57 @@ class _Edge:
 
 
 @dataclass(frozen=True)
-class _Load:
-    """What can leave with a part."""
+class _Around:
+    """What is fastened to a part, as far as it is small enough to leave with it."""
 
     here: frozenset[int]
     """The part, and what leaves with it in any case."""
-    riders: frozenset[int]
     edges: tuple[_Edge, ...]
-    """Those that hold the riders."""
+    reached: frozenset[int]
+    """All items that these join, and all that loosen them."""
+    hangs: bool
+    """Whether the part is fastened to a larger one, or to one that stays."""
 
 
 class Carried:
     """The riders of the parts of a question, worked out when they are asked for.
 
     A part rides on another one that is larger, in surface and in reach from its middle, if nothing fastens it to others:
-    also through other riders. What is kept does not ride, nor what a kept fastener holds. A part that is fastened to no
+    also through other riders. What is fastened to the part itself, but to others, too, can ride on it when it is undone
+    from these: an extension. What is kept does not ride, nor what a kept fastener holds. A part that is fastened to no
     larger one, and to none that is kept, may be what the others hang on: it carries little only, `LITTLE`, and only if
     it is wanted or smaller than that. Nothing rides where nothing would be left.
     """
 
     def __init__(self, question: Together, fixings: Fixings) -> None:
         self.question, self.fixings = question, fixings
-        self._loads: dict[int, _Load] = {}
-        self._riding: dict[tuple[int, frozenset[int]], frozenset[int]] = {}
+        self._arounds: dict[int, _Around] = {}
+        self._riding: dict[tuple[int, frozenset[int], frozenset[int]], frozenset[int]] = {}
         self._carriers: dict[int, frozenset[int]] = {}
         self._sizes: dict[int, tuple[float, float]] = {}
 
-    def riders(self, item: int) -> frozenset[int]:
-        """All that can leave with a part."""
-        return self._load(item).riders
+    def riding(self, item: int, off: frozenset[int] = frozenset(), on: frozenset[int] = frozenset()) -> frozenset[int]:
+        """What rides on a part when items are off. on: parts that are to, though they are fastened to others."""
+        around = self._around(item)
+        key = (item, off & around.reached, on)
+        if key not in self._riding:
+            self._riding[key] = self._found(item, around, off & around.reached, on)
+        return self._riding[key]
 
-    def riding(self, item: int, off: frozenset[int]) -> frozenset[int]:
-        """Those that are still fastened to it when items are off."""
-        load = self._load(item)
-        off &= load.riders
-        if not off:
-            return load.riders
-        if (item, off) not in self._riding:
-            self._riding[item, off] = _joined(load.here, _standing(load.edges, off)) - load.here
-        return self._riding[item, off]
+    def extensions(self, item: int, off: frozenset[int], on: frozenset[int]) -> list[frozenset[int]]:
+        """Parts that are fastened to a part and to others, and can ride on it all the same; together if one fastener
+        holds them."""
+        around = self._around(item)
+        riding = self.riding(item, off, on)
+        found = set()
+        for edge in around.edges if len(around.here) else ():
+            more = edge.members - around.here - riding - edge.loosened_by
+            if not (edge.members & around.here and more) or edge.loosened_by & off or more & off:
+                continue
+            if not any(each in self.fixings or not self._may_ride(each, item) for each in more):
+                if more <= self.riding(item, off, on | more):
+                    found.add(more)
+        return sorted(found, key=sorted)
 
     def carriers(self, item: int) -> frozenset[int]:
         """The parts that an item can ride on."""
@@ -79,13 +91,19 @@ class Carried:
                 for edge in self._by_member.get(waiting.pop(0), ()):
                     for other in sorted(edge.members - seen):
                         seen.add(other)
-                        is_carrier = item in self.riders(other)
-                        if is_carrier:
+                        is_carrier = item in self.riding(other)
+                        if is_carrier or any(self._rides(item, other, more) for more in self._extended(other)):
                             found.add(other)
                         if is_carrier or other in self.fixings or self._is_smaller(other, item):
                             waiting.append(other)
             self._carriers[item] = frozenset(found)
         return self._carriers[item]
+
+    def _extended(self, item: int) -> list[frozenset[int]]:
+        return self.extensions(item, frozenset(), frozenset())
+
+    def _rides(self, item: int, carrier: int, more: frozenset[int]) -> bool:
+        return item in self.riding(carrier, frozenset(), more)
 
     @cached_property
     def _by_member(self) -> dict[int, list[_Edge]]:
@@ -101,46 +119,65 @@ class Carried:
                     found.setdefault(each, []).append(edge)
         return found
 
-    def _load(self, item: int) -> _Load:
-        if item not in self._loads:
-            self._loads[item] = self._found(item)
-        return self._loads[item]
+    def _around(self, item: int) -> _Around:
+        if item not in self._arounds:
+            self._arounds[item] = self._looked(item)
+        return self._arounds[item]
 
-    def _found(self, item: int) -> _Load:
-        nothing = _Load(frozenset([item]), frozenset(), ())
+    def _looked(self, item: int) -> _Around:
+        """All fasteners of a part, and of what is small enough to leave with it, from one to the next."""
         is_part = bool(self.question.wanted) if item == TARGET else item not in self.fixings
-        if not is_part or self._is_kept(item):
-            return nothing
-        own = frozenset(map(self.question.node_of, self.question.parts_of([item])))
-        here = own | {item}
-        touching = [edge for each in sorted(here) for edge in self._by_member.get(each, ()) if edge.members - here]
-        good, edges = self._free(item, here, touching)
-        holding = [edge for edge in touching if edge.members - here <= good]
-        axes = [edge.loosened_by for edge in touching if edge not in holding]
-        holding = [edge for edge in holding if not any(edge.loosened_by & axis for axis in axes)]
-        all_ = tuple(dict.fromkeys([*holding, *edges]))
-        riders = _joined(here, all_) - here
+        own = frozenset(map(self.question.node_of, self.question.parts_of([item]))) | {item}
+        touching = [edge for each in sorted(own) for edge in self._by_member.get(each, ()) if edge.members - own]
+        hangs = self._hangs(item, own, touching)
+        if not is_part or self._is_kept(item) or not (hangs or self._is_light(item)):
+            return _Around(own, (), frozenset(), hangs)
+        edges, seen, waiting = dict.fromkeys(touching), set(own), [each for edge in touching for each in edge.members]
+        while waiting:
+            each = waiting.pop(0)
+            if each not in seen and self._may_ride(each, item):
+                more = self._by_member.get(each, ())
+                edges.update(dict.fromkeys(more))
+                waiting += [other for edge in more for other in sorted(edge.members)]
+            seen.add(each)
+        reached = frozenset[int]().union(*(edge.members | edge.loosened_by for edge in edges)) - own
+        return _Around(own, tuple(edges), reached, hangs)
+
+    def _found(self, item: int, around: _Around, off: frozenset[int], on: frozenset[int]) -> frozenset[int]:
+        """What rides on a part."""
+        edges = [edge for edge in around.edges if not edge.loosened_by & off]
+        here = around.here | on
+        touching = [edge for edge in edges if edge.members & here and edge.members - here]
+        good, inner = self._free(item, here, edges, off)
+        inner += [edge for edge in edges if edge.members <= here]
+        # One that joins something else, too, will be undone, and what is on its axis is loose then.
+        undone = [edge.loosened_by for edge in touching if not edge.members - here <= good]
+        inner += [edge for edge in touching if edge.members - here <= good]
+        inner = [edge for edge in inner if not any(edge.loosened_by & axis for axis in undone)]
+        riders = _joined(around.here, inner) - around.here
         question = self.question
-        is_all = len(question.parts_of(here | riders)) >= int(question.scene.part_mask.sum())
-        if not riders or is_all or not (self._hangs(item, here | riders, touching) or self._is_little(riders, item)):
-            return nothing
-        return _Load(here, riders, all_)
+        is_all = len(question.parts_of(around.here | riders)) >= int(question.scene.part_mask.sum())
+        return frozenset() if is_all or not (around.hangs or self._is_little(riders, item)) else riders
 
     def _free(
-        self, item: int, here: frozenset[int], touching: Iterable[_Edge]
+        self, item: int, here: frozenset[int], all_: Iterable[_Edge], off: frozenset[int]
     ) -> tuple[frozenset[int], list[_Edge]]:
-        """What its fasteners join that may ride and is fastened to nothing else, and the fasteners among that."""
+        """What fasteners join to a part that may ride and is fastened to nothing else, and the fasteners among that."""
+        by_member: dict[int, list[_Edge]] = {}
+        for edge in all_:
+            for each in edge.members - here:
+                by_member.setdefault(each, []).append(edge)
         good: set[int] = set()
         bad: set[int] = set()
         inner: list[_Edge] = []
-        for start in sorted({each for edge in touching for each in edge.members} - here):
+        for start in sorted(by_member):
             if start in good | bad:
                 continue
             seen, waiting, edges, is_good = {start}, [start], list[_Edge](), True
             while waiting and is_good:
                 each = waiting.pop(0)
-                is_good = self._may_ride(each, item) and each not in bad
-                for edge in self._by_member.get(each, ()) if is_good else ():
+                is_good = self._may_ride(each, item) and each not in bad | off
+                for edge in by_member[each] if is_good else ():
                     if not edge.members & here:
                         edges.append(edge)
                         waiting += sorted(edge.members - seen)
@@ -162,10 +199,12 @@ class Carried:
         parts = [each for each in others if each not in self.fixings]
         return any(self._is_kept(each) or not self._is_smaller(each, item) for each in parts)
 
+    def _is_light(self, item: int) -> bool:
+        """Whether a part may carry something though it is fastened to no larger one."""
+        return item == TARGET or self._is_smaller(item, TARGET)
+
     def _is_little(self, riders: Iterable[int], item: int) -> bool:
-        """Whether all riders together have little surface beside a part, which is wanted or small itself."""
-        if item != TARGET and not self._is_smaller(item, TARGET):
-            return False
+        """Whether all riders together have little surface beside a part."""
         all_ = sum(self._size(each)[0] for each in riders if each not in self.fixings)
         return all_ < SMALLER * LITTLE * self._size(item)[0]
 
@@ -195,11 +234,6 @@ class Carried:
     @cached_property
     def _meshes(self) -> PartMeshes:
         return PartMeshes(self.question.scene.mockup)
-
-
-def _standing(edges: Iterable[_Edge], off: frozenset[int]) -> list[_Edge]:
-    """The fasteners that hold when items are off."""
-    return [edge for edge in edges if not (edge.loosened_by | edge.members) & off]
 
 
 def _joined(here: frozenset[int], edges: Iterable[_Edge]) -> frozenset[int]:

@@ -404,7 +404,7 @@ class _Planner:
     def _bodies(self, item: int) -> list[frozenset[int]]:
         """What rode on a part where its ways were looked for."""
         found = [riding for own, riding in self.question.bodies.values() if own == item]
-        return found if self.actions.riders(item) else [frozenset()]
+        return found if self.actions.riding(item) else [frozenset(), *found]
 
     def _asks_before(self, steps: tuple[Ordered, ...]) -> bool:
         """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
@@ -607,7 +607,7 @@ class _Planner:
         ended before it knew what stays."""
         actions, question = self.actions, self.question
         first = sorted({item for joint in actions.certain(TARGET) for item in joint})
-        node = actions.node(TARGET, actions.riders(TARGET))
+        node = actions.node(TARGET, actions.riding(TARGET))
         ways = [sorted(one.blockers) for one in actions.graph.known(node)]
         more = min(ways, key=len) if ways else []
         nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(node))), *first])
@@ -621,7 +621,7 @@ class _Planner:
         if not actions.is_turned(item):
             empty = any(not joint for joint in actions.certain(item))
             said = "a fastener that holds it is kept" if empty else "no way out was found"
-            node = actions.node(item, actions.riders(item))
+            node = actions.node(item, actions.riding(item))
             known = actions.graph.known_blockers(node) if not empty else {}
             worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(node))
             return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))

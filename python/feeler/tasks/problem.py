@@ -41,14 +41,15 @@ class Problem(Protocol):
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener, which leaves alone along its axis and needs a tool."""
 
-    def riders(self, item: int) -> frozenset[int]:
-        """Items that can leave with a part, since they are fastened to it alone; none of a fastener."""
-
     def carriers(self, item: int) -> frozenset[int]:
         """The parts that an item can leave with."""
 
-    def riding(self, item: int, off: frozenset[int]) -> frozenset[int]:
-        """Its riders that are still fastened to a part when some items are off."""
+    def riding(self, item: int, off: frozenset[int], on: frozenset[int]) -> frozenset[int]:
+        """Items that leave with a part, since they are fastened to it alone when some items are off; none of a
+        fastener. on: parts that are to leave with it, though they are fastened to others, too."""
+
+    def extensions(self, item: int, off: frozenset[int], on: frozenset[int]) -> Sequence[frozenset[int]]:
+        """Parts that are fastened to others, too, and can leave with a part all the same, once undone from these."""
 
     def loads(self, item: int, riding: frozenset[int]) -> Sequence[int]:
         """Of the items that ride on a part, those that are in the way of a motion by which it could leave."""

@@ -40,17 +40,18 @@ _DIGITS = 6
 
 
 class Need(NamedTuple):
-    """Something that has to be settled: what an item in the way leaves with, the way of a fastener or part, a joint, or
-    the reach of a tool. Joints come after ways, as these often settle them, and reach last: what is out gives room."""
+    """Something that has to be settled: whether parts ride on another one, what an item in the way leaves with, the way
+    of a fastener or part, a joint, or the reach of a tool. Joints come after ways, as these often settle them, and
+    reach last: what is out gives room."""
 
     rank: int
     item: int
     more: tuple[int, ...] = ()
-    """The parts that an item in the way may leave with; what does not ride on a part though it could; of a joint the
-    fasteners of which one is undone."""
+    """The parts that may ride on a part; the parts that an item in the way may leave with; of a joint the fasteners of
+    which one is undone."""
 
 
-_NEVER, _WITH, _AXIS, _WAY, _JOINT, _REACH = range(6)
+_NEVER, _RIDE, _WITH, _AXIS, _WAY, _JOINT, _REACH = range(7)
 
 
 class _Asked(NamedTuple):
@@ -87,12 +88,17 @@ class _Set:
     """Seconds of fasteners whose tools get no more room than now."""
     stays: frozenset[int] = frozenset()
     """Items that plans of this set leave in place: they would give room to those."""
+    on: Mapping[int, frozenset[int]] = field(default_factory=dict)
+    """Of parts, those that ride on them though they are fastened to others, too."""
+    less: Mapping[int, frozenset[int]] = field(default_factory=dict)
+    """Of parts, those that do not ride on them though they could."""
 
     @property
     def key(self) -> Hashable:
         """Equal for equal sets."""
         chosen = tuple(sorted(self.chosen.items(), key=lambda each: each[0]))
-        return (self.items, self.needs, chosen, tuple(sorted(self.costs.items())), self.stays)
+        costs = tuple(sorted(self.costs.items()))
+        return (self.items, self.needs, chosen, costs, self.stays, _plain(self.on), _plain(self.less))
 
 
 class Search:
@@ -117,7 +123,7 @@ class Search:
         """The best plan and the bound until now, for whoever ends the search."""
         self._makes_room = False
         self._axes: dict[int, frozenset[int]] = {}
-        self._ordered_riders: dict[int, frozenset[int]] = {}
+        self._fixed: dict[int, frozenset[int]] = {}
 
     def best(self) -> Found:
         """The quickest plan found, and its bound.
@@ -150,9 +156,11 @@ class Search:
         """When an item of a plan is out at the earliest, seconds. above: what waits for it; ends: those known."""
         if item not in ends:
             problem, is_turned = self.problem, self.problem.is_turned(item)
-            alone = {next(iter(joint)) for joint in self._holders(item) if len(joint) == 1}
+            nothing = _Set(frozenset(), ())
+            alone = {next(iter(joint)) for joint in self._certain(nothing, item) if len(joint) == 1}
             before = set(problem.needed(item)) if is_turned else set[int]()
-            ways = [] if problem.riders(item) else [way.blockers for way in problem.ways(item, frozenset())]
+            has_riders = bool(self._riding(nothing, item) or self._extensions(nothing, item))
+            ways = [] if has_riders else [way.blockers for way in problem.ways(item, frozenset())]
             in_all = frozenset.intersection(*ways) if ways else frozenset[int]()
             before |= {each for each in in_all if is_turned or self._leaves_alone(each)}
             before = alone | {each for each in before if not problem.carriers(each)}
@@ -172,8 +180,9 @@ class Search:
         """Whether no plan takes it out together with another item, but for its riders."""
         if self.problem.is_turned(item):
             return True
-        riding = self.problem.riders(item)
-        return not any(way.blockers for way in self.problem.ways(item, riding))
+        nothing = _Set(frozenset(), ())
+        ways = self.problem.ways(item, self._riding(nothing, item))
+        return not (self._extensions(nothing, item) or any(way.blockers for way in ways))
 
     def _run(self, known: Found) -> Found:
         """The search over sets. known: a plan from before."""
@@ -308,16 +317,14 @@ class Search:
                 waiting += self._in_the_way(item, in_its_way - items)
                 needs.append(Need(_REACH, item))
             else:
-                holders = self._holders(item, frozenset(items))
-                held = sorted({each for joint in holders for each in joint} - items)
+                so_far = replace(one, items=frozenset(items), chosen=chosen)
+                certain = self._certain(so_far, item)
+                held = sorted({each for joint in certain for each in joint} - items)
                 problem.expect(held, None)
                 problem.expect(held, frozenset())
-                for joint in holders:
-                    if len(joint) == 1:
-                        waiting += [_Asked(each, True) for each in joint - items]
-                    else:
-                        needs.append(Need(_JOINT if joint else _NEVER, item, tuple(sorted(joint))))
-                needs.append(Need(_WAY, item))
+                alone, joined = self._held(so_far, item, certain)
+                waiting += alone
+                needs += [*joined, Need(_WAY, item)]
         grown = replace(one, items=frozenset(items), needs=tuple(sorted(set(needs))), chosen=chosen)
         carried = self._carried(grown)
         if any(each in one.stays and carrier != self.target for each, carrier in carried.items()):
@@ -326,6 +333,8 @@ class Search:
 
     def _is_open(self, need: Need, one: _Set, carried: Mapping[int, int]) -> bool:
         """Whether a set has not settled a need yet."""
+        if need.rank == _RIDE:
+            return frozenset(need.more) in self._extensions(one, need.item)
         if need.rank == _JOINT:
             return not one.items & set(need.more)
         if need.rank != _WITH or need.item in one.items:
@@ -339,37 +348,51 @@ class Search:
         but = frozenset([item, self.target] if is_last else [item])
         return [_Asked(each, False, but) for each in sorted(blockers)]
 
-    def _riders(self, item: int) -> frozenset[int]:
-        """What can ride on a part, but for what is forced to go before or after it, or others that ride on it."""
-        if item not in self._ordered_riders:
-            found = self.problem.riders(item)
-            if found and self._forced:
-                all_ = found | {item}
-                fixed = {each for each in all_ if self._forced.get(each, frozenset()) & all_}
-                fixed |= {ahead for each in all_ for ahead in self._forced.get(each, frozenset()) & all_}
-                found = self.problem.riding(item, frozenset(fixed))
-            self._ordered_riders[item] = found
-        return self._ordered_riders[item]
+    def _held(self, one: _Set, item: int, certain: Iterable[frozenset[int]]) -> tuple[list[_Asked], list[Need]]:
+        """What has to be undone for a part to leave with what rides on it, and what may ride on it."""
+        joints = [joint for joint in certain if not joint & one.items]
+        alone = [_Asked(each, True) for joint in joints if len(joint) == 1 for each in joint]
+        needs = [Need(_RIDE, item, tuple(sorted(more))) for more in self._extensions(one, item)]
+        needs += [Need(_JOINT if joint else _NEVER, item, tuple(sorted(joint))) for joint in joints if len(joint) != 1]
+        return alone, needs
 
-    def _riding(self, item: int, off: frozenset[int]) -> frozenset[int]:
-        """What rides on a part when items are off."""
-        riders = self._riders(item)
-        if not riders:
-            return riders
-        return self.problem.riding(item, (off & riders) | (self.problem.riders(item) - riders))
+    def _certain(self, one: _Set, item: int) -> list[frozenset[int]]:
+        """The joints of a part that are undone whatever else rides on it."""
+        riding, off, on = self._riding(one, item), self._off(one, item), one.on.get(item, frozenset())
+        found = list(self.problem.holders(item, riding))
+        for more in self._extensions(one, item):
+            longer = set(self.problem.holders(item, self.problem.riding(item, off, on | more)))
+            found = [joint for joint in found if joint in longer]
+        return found
 
-    def _holders(self, item: int, off: frozenset[int] = frozenset()) -> Sequence[frozenset[int]]:
-        """The joints of a part that every plan undoes when items are off."""
-        return self.problem.holders(item, self._riding(item, off))
+    def _off(self, one: _Set, item: int) -> frozenset[int]:
+        """What does not ride on a part: it is out alone, left behind, or forced to go before or after others of it."""
+        if item not in self._fixed:
+            problem = self.problem
+            own = [
+                {each, ahead} - {item}
+                for each, all_ in self._forced.items()
+                for ahead in all_
+                if all(one == item or item in problem.carriers(one) for one in (each, ahead))
+            ]
+            self._fixed[item] = frozenset[int]().union(*own)
+        return one.items | one.less.get(item, frozenset()) | self._fixed[item]
+
+    def _riding(self, one: _Set, item: int) -> frozenset[int]:
+        """What rides on a part of a set; once its way is known, nothing more than then."""
+        found = self.problem.riding(item, self._off(one, item), one.on.get(item, frozenset()))
+        return found & one.chosen[item].riding if item in one.chosen else found
+
+    def _extensions(self, one: _Set, item: int) -> Sequence[frozenset[int]]:
+        """Parts of which it is open whether they ride on a part."""
+        return self.problem.extensions(item, self._off(one, item), one.on.get(item, frozenset()))
 
     def _carried(self, one: _Set) -> dict[int, int]:
         """What a set takes out with its parts, and with which of them."""
         found: dict[int, int] = {}
         for item in sorted(one.items):
-            riders = self._riders(item)
-            if riders:
-                off = one.items | (riders - one.chosen[item].riding if item in one.chosen else frozenset())
-                found.update((each, item) for each in self._riding(item, off) if each not in found)
+            if not self.problem.is_turned(item):
+                found.update((each, item) for each in sorted(self._riding(one, item)) if each not in found)
         return found
 
     def _parts(self, one: _Set, carried: Mapping[int, int]) -> dict[int, Way]:
@@ -388,6 +411,10 @@ class Search:
         item, problem = need.item, self.problem
         if need.rank == _NEVER:
             self._note(item, frozenset())
+        elif need.rank == _RIDE:
+            more = frozenset(need.more)
+            yield from self._rode(replace(left, on={**one.on, item: one.on.get(item, frozenset()) | more}), item)
+            yield from self._rode(replace(left, less={**one.less, item: one.less.get(item, frozenset()) | more}), item)
         elif need.rank == _WITH:
             yield from self._with_each(left, [item])
             yield from self._with_each(left, set(need.more) - one.items)
@@ -405,25 +432,25 @@ class Search:
         else:
             yield from self._reached(one, item, left)
 
+    def _rode(self, one: _Set, item: int) -> Iterator[_Set]:
+        """The set in which it is settled what rides on a part: what holds it then has to be undone."""
+        alone, needs = self._held(one, item, self._certain(one, item))
+        grown = self._grown(replace(one, needs=(*one.needs, *needs)), (), alone)
+        if grown is not None:
+            yield grown
+
     def _led(self, left: _Set, need: Need) -> Iterator[_Set]:
         """The sets in which a part leaves in each of its ways, or with less on it."""
         item, problem = need.item, self.problem
-        riding = self._riding(item, left.items | set(need.more))
+        riding = self._riding(left, item)
         ways = [way._replace(riding=riding) for way in problem.ways(item, riding)]
         if not ways:
             self._note(item, frozenset())
         yield from self._by_each(left, item, ways)
-        if not (riding and all(way.blockers for way in ways)):
-            return
-        held = set(problem.holders(item, riding))
-        for load in problem.loads(item, riding):
-            less = tuple(sorted({*need.more, load}))
-            joints = set(problem.holders(item, self._riding(item, left.items | set(less)))) - held
-            needs = [Need(_JOINT if joint else _NEVER, item, tuple(sorted(joint))) for joint in joints]
-            alone = [each for joint in joints if len(joint) == 1 for each in joint]
-            grown = self._grown(replace(left, needs=(*left.needs, Need(_WAY, item, less), *needs)), sorted(alone))
-            if grown is not None:
-                yield grown
+        if riding and all(way.blockers for way in ways):
+            for load in problem.loads(item, riding):
+                less = {**left.less, item: left.less.get(item, frozenset()) | {load}}
+                yield from self._rode(replace(left, less=less, needs=(*left.needs, need)), item)
 
     def _by_each(self, one: _Set, item: int, ways: Iterable[Way]) -> Iterator[_Set]:
         """A set for each way of an item."""
@@ -470,7 +497,8 @@ class Search:
     def _out_before(self, item: int, one: _Set) -> frozenset[int]:
         """What a set can have out before a fastener is undone: not what it alone holds, nor what waits for that."""
         carried = self._carried(one)
-        found = {each for each in one.items if frozenset([item]) in self._holders(each, one.items)}
+        parts = [each for each in one.items if not self.problem.is_turned(each)]
+        found = {each for each in parts if frozenset([item]) in self._joints(one, each)}
         while True:
             more = {each for each, way in one.chosen.items() if {carried.get(b, b) for b in way.blockers} & found}
             if self.target in one.items:
@@ -487,6 +515,10 @@ class Search:
         alone = self._loose(one, carried) | self._dragged(one, carried)
         if alone:
             return None, alone
+        for item in one.chosen:
+            for joint in () if self.problem.is_turned(item) else self._joints(one, item):
+                if not joint & one.items:
+                    return None, joint
         units = self._units(one, carried)
         if units is None:
             return None, frozenset()
@@ -520,7 +552,6 @@ class Search:
 
     def _units(self, one: _Set, carried: Mapping[int, int]) -> list[Unit] | None:
         """The steps of a set, without their order: parts that block each other leave together."""
-        problem = self.problem
         parts = self._parts(one, carried)
         units = []
         for group in _groups(parts):
@@ -531,20 +562,21 @@ class Search:
             riding = tuple(sorted(each for each, carrier in carried.items() if carrier in group))
             before = frozenset[int]().union(*(one.chosen[item].blockers for item in group))
             before |= frozenset[int]().union(*(self._first(item, one, carried) for item in (*group, *riding)))
-            before |= frozenset[int]().union(*(problem.riders(item) & one.items for item in group))
-            joints = [self._joints(item, one, riding) for item in group]
+            before |= frozenset[int]().union(*(one.chosen[item].riding & one.items for item in group))
+            joints = [self._joints(one, item) for item in group]
             bodies = tuple(one.chosen[item].riding for item in group)
             out = before - set(group) - set(riding)
-            units.append(Unit(tuple(group), motion, out, tuple(each for some in joints for each in some), bodies, riding))
+            units.append(
+                Unit(tuple(group), motion, out, tuple(each for some in joints for each in some), bodies, riding)
+            )
         for item in sorted(one.items - parts.keys()):
             way = one.chosen[item]
             units.append(Unit((item,), way.motions[0], way.blockers | self._first(item, one, carried)))
         return units
 
-    def _joints(self, item: int, one: _Set, riding: Iterable[int]) -> Sequence[frozenset[int]]:
-        """The joints of a part that are undone before it leaves."""
-        own = self.problem.riders(item)
-        return self.problem.holders(item, own & frozenset(riding) if own else own)
+    def _joints(self, one: _Set, item: int) -> Sequence[frozenset[int]]:
+        """The joints of a part, with what rides on it, that are undone before it leaves."""
+        return self.problem.holders(item, self._riding(one, item))
 
     def _first(self, item: int, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
         """The items of a set that are forced to go before one of them."""
@@ -592,6 +624,11 @@ class _Waiting:
             _, bound, number, one = heapq.heappop(self._by_needs)
         self._taken.add(number)
         return bound, one
+
+
+def _plain(sets: Mapping[int, frozenset[int]]) -> Hashable:
+    """Equal for equal sets."""
+    return tuple(sorted((item, tuple(sorted(found))) for item, found in sets.items()))
 
 
 def _leading_to(items: set[int], chosen: Mapping[int, Way]) -> set[int]:
