@@ -115,7 +115,7 @@ def _add_brackets(
     free = [place for place in rng.permutation(len(PLACES)).tolist() if place not in taken]
     while free and rng.random() < 0.6:
         place, kind = free.pop(), int(rng.integers(0, 3))
-        other = int(rng.choice([each for each in range(len(PLACES)) if each != place]))
+        other = int(rng.choice(_beside(place)))
         is_strap = kind == 2 and other in free
         feet = [place, other] if is_strap else [place]
         if len(made.parts) + 1 + len(feet) > MOST_WITH_BRACKETS:
@@ -146,16 +146,16 @@ def _add_bracket(
         boxes.append([[x - wide, y - wide, low], [x + wide, y + wide, low + thick]])
     ends = [PLACES[foot] for foot in feet] + ([] if towards is None else [towards])
     if len(ends) > 1:
-        (x, y), (to_x, to_y) = ends
-        away = 0.5 * wide if len(feet) > 1 else wide
         low, high = max(tops) + float(rng.choice([0.016, 0.03])), max(tops) + 0.04
-        # A post beside the head of each foot, and an arm from post to post.
+        axis = 0 if ends[0][0] != ends[1][0] else 1
+        begin, end = sorted(each[axis] for each in ends)
+        # A post beside each foot, where the arm is: no bracket is above its own heads.
         for foot, top in zip(feet, tops, strict=True):
-            at_x, at_y = PLACES[foot]
-            boxes.append([[at_x - wide - 0.003, at_y - away, top + GAP_M], [at_x - wide, at_y + away, high]])
-        boxes.append(
-            [[min(x, to_x) - wide - 0.003, min(y, to_y) - away, low], [max(x, to_x), max(y, to_y) + away, high]]
-        )
+            is_first = PLACES[foot][axis] == begin
+            side = PLACES[foot][axis] + (wide if is_first else -wide - 0.003)
+            boxes.append(_across(PLACES[foot], axis, (side, side + 0.003), (top + GAP_M, high)))
+            begin, end = (side, end) if is_first else (begin, side + 0.003)
+        boxes.append(_across(ends[0], axis, (begin, end), (low, high)))
     solid = _box(boxes[0])
     for box in boxes[1:]:
         solid = solid + _box(box)
@@ -166,6 +166,22 @@ def _add_bracket(
     for foot, top in zip(feet, tops, strict=True):
         on = [1 + n for n, (low_, high_) in enumerate(plates) if _is_in(PLACES[foot], low_, high_)]
         _add_bracket_bolt(made, PLACES[foot], top + GAP_M + thick + GAP_M, number, max(on, default=0))
+
+
+def _beside(place: int) -> list[int]:
+    """The places next to one, along x and along y."""
+    x, y = PLACES[place]
+    return [n for n, each in enumerate(PLACES) if (each[0] == x) != (each[1] == y)]
+
+
+def _across(
+    place: tuple[float, float], axis: int, along: tuple[float, float], heights: tuple[float, float]
+) -> list[list[float]]:
+    """The corners of a narrow box at a place, from here to there along an axis."""
+    corners = [[0.0, 0.0, heights[0]], [0.0, 0.0, heights[1]]]
+    for corner, far, side in zip(corners, along, (-0.005, 0.005), strict=True):
+        corner[axis], corner[1 - axis] = far, place[1 - axis] + side
+    return corners
 
 
 def _add_bracket_bolt(made: Assembly, place: tuple[float, float], head: float, bracket: int, anchor: int) -> None:
