@@ -241,5 +241,5 @@ def _joined(here: frozenset[int], edges: Iterable[_Edge]) -> frozenset[int]:
     found, left = set(here), list(edges)
     while near := [edge for edge in left if edge.members & found]:
         found.update(*(edge.members for edge in near))
-        left = [edge for edge in left if not edge.members & found]
+        left = [edge for edge in left if edge not in near]
     return frozenset(found)
