@@ -18,8 +18,8 @@ from feeler.tasks.ahead import Ahead
 from feeler.tasks.carried import Carried
 from feeler.tasks.elastic import Rings
 from feeler.tasks.fixings import Fixing, Fixings
-from feeler.tasks.reached import Reached, Reaching, Tooled
 from feeler.tasks.problem import Choice, Way
+from feeler.tasks.reached import Reached, Reaching, Tooled
 from feeler.tasks.times import Arithmetic, Timed, strokes_for
 from feeler.tasks.together import Together
 
@@ -73,7 +73,7 @@ class _Graph(BlockingGraph):
         return question.leaving(node) if isinstance(question, Together) else frozenset([node])
 
     def against(self, item: int, direction: Direction, beside: Iterable[int] = ()) -> frozenset[int] | None:
-        """The items in the way of one along a direction, but for some beside it; None if a kept part is, or many are."""
+        """The items in the way of one along a direction, but for some beside it; None if a kept one is, or many are."""
         question = self.question
         own = question.parts_of([item])
         passed = {*question.parts_of(beside), *question.parts_of(self.holding(item))} - set(own)

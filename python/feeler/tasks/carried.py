@@ -46,11 +46,11 @@ class _Around:
 class Carried:
     """The riders of the parts of a question, worked out when they are asked for.
 
-    A part rides on another one that is larger, in surface and in reach from its middle, if nothing fastens it to others:
-    also through other riders. What is fastened to the part itself, but to others, too, can ride on it when it is undone
-    from these: an extension. What is kept does not ride, nor what a kept fastener holds. A part that is fastened to no
-    larger one, and to none that is kept, may be what the others hang on: it carries little only, `LITTLE`, and only if
-    it is wanted or smaller than that. Nothing rides where nothing would be left.
+    A part rides on another one that is larger, in surface and in reach from its middle, if nothing fastens it to
+    others, but for other riders. One that is fastened to the part itself, but to others, too, can ride on it when it is
+    undone from these: an extension. What is kept does not ride, nor what a kept fastener holds. A part that is fastened
+    to no larger one, and to none that is kept, may be what the others hang on: it carries little only, `LITTLE`, and
+    only if it is wanted or smaller than that. Nothing rides where nothing would be left.
     """
 
     def __init__(self, question: Together, fixings: Fixings) -> None:
@@ -74,13 +74,13 @@ class Carried:
         around = self._around(item)
         riding = self.riding(item, off, on)
         found = set()
-        for edge in around.edges if len(around.here) else ():
+        for edge in around.edges:
             more = edge.members - around.here - riding - edge.loosened_by
-            if not (edge.members & around.here and more) or edge.loosened_by & off or more & off:
+            if not (edge.members & around.here and more) or (edge.loosened_by | more) & off:
                 continue
-            if not any(each in self.fixings or not self._may_ride(each, item) for each in more):
-                if more <= self.riding(item, off, on | more):
-                    found.add(more)
+            may = all(each not in self.fixings and self._may_ride(each, item) for each in more)
+            if may and more <= self.riding(item, off, on | more):
+                found.add(more)
         return sorted(found, key=sorted)
 
     def carriers(self, item: int) -> frozenset[int]:

@@ -18,8 +18,8 @@ from feeler.scene import PartNumber, Scene
 from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import WayAsked
 from feeler.tasks.elastic import RingWay
-from feeler.tasks.rings import Slip
 from feeler.tasks.problem import Unit
+from feeler.tasks.rings import Slip
 
 Floats = npt.NDArray[np.float64]
 
@@ -151,8 +151,8 @@ class Leading:
         return motion
 
     def search(self, item: int, riding: frozenset[int], out: frozenset[int]) -> bool:
-        """Whether a way of a part with what rides on it is found while items are out, by pushes and random trees too; the graph then knows it, with
-        those of the items that it collides with. It is searched once for each set."""
+        """Whether a way of a part with what rides on it is found while items are out, by pushes and random trees too;
+        the graph then knows it, with those of the items that it collides with. It is searched once for each set."""
         actions, question = self.actions, self.question
         gone = actions.gone(out)
         node = actions.node(item, riding)

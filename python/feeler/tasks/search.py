@@ -327,9 +327,30 @@ class Search:
                 needs += [*joined, Need(_WAY, item)]
         grown = replace(one, items=frozenset(items), needs=tuple(sorted(set(needs))), chosen=chosen)
         carried = self._carried(grown)
+        again = self._again(grown, carried)
+        if again is not None:
+            return self._grown(*again)
         if any(each in one.stays and carrier != self.target for each, carrier in carried.items()):
             return None
         return replace(grown, needs=tuple(need for need in grown.needs if self._is_open(need, grown, carried)))
+
+    def _again(self, one: _Set, carried: Mapping[int, int]) -> tuple[_Set, tuple[()], list[_Asked]] | None:
+        """A set in which less rides on its parts than when their ways were found: it needs these anew, and what is in
+        the way of others by other means."""
+        there = one.items | carried.keys()
+        lost = [item for item, way in one.chosen.items() if way.riding - there]
+        if lost:
+            left = {item: way for item, way in one.chosen.items() if item not in lost}
+            fewer = replace(one, chosen=left)
+            held = [self._held(fewer, item, self._certain(fewer, item)) for item in lost]
+            needs = [*(Need(_WAY, item) for item in lost), *(need for _, more in held for need in more)]
+            asked = [each for alone, _ in held for each in alone]
+            return replace(fewer, needs=(*one.needs, *needs)), (), asked
+        there |= {need.item for need in one.needs if need.rank == _WITH}
+        missing = [(item, way.blockers - there) for item, way in one.chosen.items() if way.blockers - there]
+        if missing:
+            return one, (), [each for item, more in missing for each in self._in_the_way(item, more)]
+        return None
 
     def _is_open(self, need: Need, one: _Set, carried: Mapping[int, int]) -> bool:
         """Whether a set has not settled a need yet."""
@@ -512,9 +533,9 @@ class Search:
     def _in_order(self, one: _Set) -> tuple[tuple[Ordered, ...] | None, frozenset[int]]:
         """The quickest order of a set; if there is none, items beyond it that may help."""
         carried = self._carried(one)
-        alone = self._loose(one, carried) | self._dragged(one, carried)
-        if alone:
-            return None, alone
+        dragged = self._dragged(one, carried)
+        if dragged:
+            return None, dragged
         for item in one.chosen:
             for joint in () if self.problem.is_turned(item) else self._joints(one, item):
                 if not joint & one.items:
@@ -536,13 +557,6 @@ class Search:
         # What waits for a part that leaves too late may be out alone.
         late = frozenset[int]().union(*order.waiting.values()) if order.waiting else frozenset[int]()
         return None, helping - one.items | late & carried.keys()
-
-    def _loose(self, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
-        """What does not ride along any more since others are off, though ways were found with it or wait for it."""
-        there = one.items | carried.keys()
-        lost = [way.riding - there for way in one.chosen.values()]
-        lost += [way.blockers - there for way in one.chosen.values()]
-        return frozenset[int]().union(*lost)
 
     def _dragged(self, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
         """What rides on others that leave together with the wanted parts: these are led out of it, not with it."""
