@@ -9,7 +9,8 @@ from itertools import pairwise
 import pytest
 
 from feeler.tasks import search
-from feeler.tasks.search import Choice, Search, Way
+from feeler.tasks.problem import Choice, Way
+from feeler.tasks.search import Search
 
 TARGET = 0
 
@@ -29,10 +30,22 @@ class Table:
     def is_turned(self, item: int) -> bool:
         return item in self.tools
 
-    def holders(self, item: int) -> Sequence[frozenset[int]]:
+    def carriers(self, item: int) -> frozenset[int]:
+        return frozenset()
+
+    def riding(self, item: int, off: frozenset[int], on: frozenset[int]) -> frozenset[int]:
+        return frozenset()
+
+    def extensions(self, item: int, off: frozenset[int], on: frozenset[int]) -> Sequence[frozenset[int]]:
+        return []
+
+    def loads(self, item: int, riding: frozenset[int]) -> Sequence[int]:
+        return []
+
+    def holders(self, item: int, riding: frozenset[int]) -> Sequence[frozenset[int]]:
         return self.joints.get(item, ())
 
-    def ways(self, item: int) -> Sequence[Way]:
+    def ways(self, item: int, riding: frozenset[int]) -> Sequence[Way]:
         found = [frozenset[int]()] if item in self.tools else self.ways_of.get(item, ())
         return [Way((f"{item} {n}",), blockers) for n, blockers in enumerate(found)]
 

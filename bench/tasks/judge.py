@@ -1,7 +1,8 @@
 """The quickest plan of an assembly by exhaustive search over all states, and the faults of a plan.
 
 What holds what, and what is in the way of what, is known from the boxes of the parts. Whether a tool reaches is asked
-of `feeler.access` in each state anew. A state is what is out, and the tool in hand.
+of `feeler.access` in each state anew. A state is what is out, and the tool in hand. In each state the parts that bolts
+still join leave as one, if one of them is large enough to carry the others.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 import feeler
-from tasks.assemblies import ENGAGED_M, Assembly
+from tasks.assemblies import Assembly
 
 Floats = npt.NDArray[np.float64]
 
@@ -27,8 +28,8 @@ TURN_M = 5e-6
 """How far beside a face a part turns off into another direction."""
 
 
-_Running = tuple[float, int, str]
-"""When a step ends, its part, and the tool in hand."""
+_Running = tuple[float, tuple[int, ...], str]
+"""When a step ends, its parts, and the tool in hand."""
 
 
 class Judge:
@@ -40,6 +41,8 @@ class Judge:
         rows = feeler.find_fasteners(self.scene)
         self.rows = {row.part: row for row in rows}
         self._swings: dict[tuple[int, frozenset[int], str], float] = {}
+        self._free: dict[tuple[frozenset[int], frozenset[int]], bool] = {}
+        self._sizes = [_size(*part.mesh) for part in made.parts]
 
     def least(self) -> float | None:
         """Seconds of the quickest plan; None if nothing takes the wanted part out."""
@@ -52,8 +55,8 @@ class Judge:
                 return spent
             if spent > best[out, hand]:
                 continue
-            for part, tool, seconds in self.actions(out, hand):
-                after, now = (out | {part}, tool or hand), spent + seconds
+            for parts, tool, seconds in self.actions(out, hand):
+                after, now = (out | parts, tool or hand), spent + seconds
                 if now < best.get(after, math.inf) - 1e-12:
                     best[after] = now
                     number += 1
@@ -74,19 +77,21 @@ class Judge:
             if self.made.wanted in out:
                 return now
             following = []
-            busy = {part for _, part, _ in running}
+            busy = {part for _, parts, _ in running for part in parts}
             for hand in sorted(set(hands)):
                 left = list(hands)
                 left.remove(hand)
-                for part, tool, seconds in self.actions(out, hand):
-                    if part not in busy:
-                        one = (round(now + seconds, 9), part, tool or hand)
+                for parts, tool, seconds in self.actions(out, hand):
+                    if not parts & busy:
+                        one = (round(now + seconds, 9), tuple(sorted(parts)), tool or hand)
                         following.append((now, out, tuple(sorted([*running, one])), tuple(left)))
             if running:
                 end = running[0][0]
                 ended = [each for each in running if each[0] <= end]
                 free = tuple(sorted([*hands, *(tool for _, _, tool in ended)]))
-                following.append((end, out | {part for _, part, _ in ended}, running[len(ended) :], free))
+                following.append(
+                    (end, out | {part for _, parts, _ in ended for part in parts}, running[len(ended) :], free)
+                )
             for state in following:
                 if state not in seen:
                     seen.add(state)
@@ -94,35 +99,76 @@ class Judge:
                     heapq.heappush(queue, (state[0], number, *state[1:]))
         return None
 
-    def actions(self, out: frozenset[int], hand: str) -> Iterator[tuple[int, str, float]]:
-        """What can be done in a state: the part, the tool, the seconds."""
+    def actions(self, out: frozenset[int], hand: str) -> Iterator[tuple[frozenset[int], str, float]]:
+        """What can be done in a state: the parts that leave, the tool, the seconds."""
         elements = self.times.elements
-        for part, each in enumerate(self.made.parts):
-            if part in out or part in self.made.keep:
+        there = [part for part in range(len(self.made.parts)) if part not in out]
+        for part in there:
+            each = self.made.parts[part]
+            if not each.is_bolt or part in self.made.keep:
                 continue
-            others = [other for other in range(len(self.made.parts)) if other not in out and other != part]
-            if each.is_bolt:
-                if any(
-                    self._blocks(part, other, 2, each.travel) for other in others if other and other not in each.holds
-                ):
-                    continue
-                for name in self.tools:
-                    swing = self.swing(part, out, name)
-                    if swing > 0.0:
-                        strokes = math.ceil(ENGAGED_M / PITCH_M * 360.0 / swing - 1e-6)
-                        seconds = elements["reach"].mean + strokes * elements["stroke"].mean
-                        seconds += elements["draw"].mean + elements["aside"].mean
-                        yield part, name, seconds + elements["get"].mean * (name != hand)
-            else:
-                is_held = any(
-                    self.made.parts[other].is_bolt and part in self.made.parts[other].holds for other in others
-                )
-                if not is_held and self.is_free(part, others):
-                    yield part, "", elements["take"].mean + elements["aside"].mean
+            passed = {part, each.anchor, *each.holds}
+            if any(self._blocks(part, other, 2, each.travel) for other in there if other not in passed):
+                continue
+            for name in self.tools:
+                swing = self.swing(part, out, name)
+                if swing > 0.0:
+                    strokes = math.ceil(each.engaged / PITCH_M * 360.0 / swing - 1e-6)
+                    seconds = elements["reach"].mean + strokes * elements["stroke"].mean
+                    seconds += elements["draw"].mean + elements["aside"].mean
+                    yield frozenset([part]), name, seconds + elements["get"].mean * (name != hand)
+        for body in self._bodies(there):
+            if self._may_leave(body) and self.is_free(body, out):
+                yield body, "", elements["take"].mean + elements["aside"].mean
 
-    def is_free(self, part: int, others: list[int]) -> bool:
-        """Whether it leaves along an axis, or along one and then along another."""
-        boxes = self.made.parts[part].boxes
+    def _bodies(self, there: list[int]) -> list[frozenset[int]]:
+        """What bolts still join, with these; bolts that hold nothing are none."""
+        group = {part: frozenset([part]) for part in there}
+        for part in there:
+            each = self.made.parts[part]
+            if each.is_bolt:
+                ends = [end for end in (part, each.anchor, *each.holds) if end in group]
+                joined = frozenset[int]().union(*(group[end] for end in ends))
+                group.update(dict.fromkeys(joined, joined))
+        found = dict.fromkeys(group[part] for part in there)
+        return [body for body in found if any(not self.made.parts[part].is_bolt for part in body)]
+
+    def _may_leave(self, body: frozenset[int]) -> bool:
+        """Whether parts may leave as one: nothing is kept, and one of them carries the others."""
+        made = self.made
+        if body & made.keep or (made.wanted in body and made.parts[made.wanted].is_bolt):
+            return False
+        plain = [part for part in body if not made.parts[part].is_bolt]
+        carriers = [made.wanted] if made.wanted in body else plain
+        return len(plain) == 1 or any(
+            self._carries(part, [each for each in plain if each != part]) for part in carriers
+        )
+
+    def _carries(self, part: int, others: list[int]) -> bool:
+        """Whether a part carries others: smaller ones, and little of them if it is fastened to nothing larger."""
+        made = self.made
+        if not all(self._is_smaller(other, part) for other in others):
+            return False
+        bolts = [each for each in made.parts if each.is_bolt and part in {each.anchor, *each.holds}]
+        ends = {end for each in bolts for end in (each.anchor, *each.holds)} - {part}
+        if any(end in made.keep or not self._is_smaller(end, part) for end in ends):
+            return True
+        is_light = part == made.wanted or (not made.parts[made.wanted].is_bolt and self._is_smaller(part, made.wanted))
+        return is_light and sum(self._sizes[other][0] for other in others) < 0.5 * self._sizes[part][0]
+
+    def _is_smaller(self, one: int, other: int) -> bool:
+        return all(mine < (1.0 - 1e-6) * its for mine, its in zip(self._sizes[one], self._sizes[other], strict=True))
+
+    def is_free(self, body: frozenset[int], out: frozenset[int]) -> bool:
+        """Whether parts leave as one along an axis, or along one and then along another."""
+        if (body, out) not in self._free:
+            others = [other for other in range(len(self.made.parts)) if other not in out | body]
+            self._free[body, out] = self._is_free(
+                np.concatenate([self.made.parts[each].boxes for each in body]), others
+            )
+        return self._free[body, out]
+
+    def _is_free(self, boxes: Floats, others: list[int]) -> bool:
         ways = list(itertools.product(range(3), (1.0, -1.0)))
         if any(self._is_clear(boxes, others, axis, sign * FAR_M) for axis, sign in ways):
             return True
@@ -177,17 +223,29 @@ class Judge:
         out: frozenset[int] = frozenset()
         hand, spent = "", 0.0
         for step in task.steps:
-            for part in step.parts:
-                options = {(one, tool): seconds for one, tool, seconds in self.actions(out, hand)}
-                seconds = options.get((part, step.tool))
+            left = frozenset(step.parts)
+            while left:
+                options = {(parts, tool): seconds for parts, tool, seconds in self.actions(out, hand)}
+                whole = [parts for parts, tool in options if parts <= left and tool == step.tool]
+                parts = max(whole, key=len, default=left)
+                seconds = options.get((parts, step.tool))
                 if seconds is None:
                     found.append(f"step {step.number}: {step} cannot be done")
                     seconds = step.seconds
                 spent += seconds
-                out |= {part}
+                out |= parts
+                left -= parts
             hand = step.tool or hand
         if task.is_found and abs(spent - task.seconds) > 1e-6:
             found.append(f"it takes {spent:.2f} s, not {task.seconds:.2f}")
         if task.is_found and self.made.wanted not in out:
             found.append("the wanted part is still there")
         return found
+
+
+def _size(corners: Floats, faces: npt.NDArray[np.int64]) -> tuple[float, float]:
+    """The surface of a mesh, and how far it reaches from the middle of that."""
+    a, b, c = (corners[faces[:, n]] for n in range(3))
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    middle = areas @ (a + b + c) / (3.0 * areas.sum())
+    return float(areas.sum()), float(np.linalg.norm(corners[np.unique(faces)] - middle, axis=1).max())

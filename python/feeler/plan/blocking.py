@@ -225,6 +225,10 @@ class BlockingGraph:
                 found[other] = found.get(other, 0) + len(one.motions)
         return found
 
+    def leaving(self, node: int) -> frozenset[int]:
+        """The nodes that are out with one: it is one part, or some that leave together."""
+        return frozenset([node])
+
     def reached(self) -> list[int]:
         """The wanted parts, those that block them, those that block these, and so on, as far as known."""
         found = [TARGET]
@@ -244,12 +248,16 @@ class BlockingGraph:
                     node: one.blockers
                     for node, exits in self._exits.items()
                     for one in exits
-                    if motion in one.motions and node != TARGET and node not in gone
+                    if motion in one.motions and TARGET not in self.leaving(node) and not self.leaving(node) <= gone
                 }
-                while blocked := [node for node, blockers in needs.items() if blockers - gone - needs.keys()]:
+                while True:
+                    there = gone.union(*map(self.leaving, needs))
+                    blocked = [node for node, blockers in needs.items() if blockers - there]
                     for node in blocked:
                         del needs[node]
-                gone |= needs.keys()
+                    if not blocked:
+                        break
+                gone = there
             if len(gone) == before:
                 return frozenset(gone)
 

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
-from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, BlockingGraph, Joints
-from feeler.plan.question import TARGET, Clock, Question
+from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, MOST_BLOCKERS, BlockingGraph, Joints, Mover
+from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.ahead import Ahead
+from feeler.tasks.carried import Carried
 from feeler.tasks.elastic import Rings
 from feeler.tasks.fixings import Fixing, Fixings
+from feeler.tasks.problem import Choice, Way
 from feeler.tasks.reached import Reached, Reaching, Tooled
-from feeler.tasks.search import Choice, Way
 from feeler.tasks.times import Arithmetic, Timed, strokes_for
+from feeler.tasks.together import Together
 
 Floats = npt.NDArray[np.float64]
 
@@ -34,33 +35,6 @@ BOX_M = 1e-6
 """What boxes are grown by where they tell what a motion can touch."""
 
 
-@dataclass(frozen=True)
-class Together(Question):
-    """A question in which fasteners leave with their washers, and parts with what is fastened to them alone."""
-
-    riders: dict[int, tuple[int, ...]] = field(default_factory=dict)
-    lead: dict[int, int] = field(default_factory=dict)
-    """What leaves with another item: a washer with its fastener, a union nut with its pipe."""
-    undone: tuple[int, ...] = ()
-    """Fasteners that are wanted themselves."""
-
-    def node_of(self, part: int) -> int:
-        """The item that has to leave for a part to be gone."""
-        if part in self.wanted:
-            return TARGET
-        leader = self.lead.get(part, part)
-        return TARGET if leader in self.wanted else leader
-
-    def parts_of(self, nodes: Iterable[int]) -> tuple[int, ...]:
-        """All parts that leave with items."""
-        found: set[int] = set()
-        for node in nodes:
-            own = self.wanted if node == TARGET else (node,)
-            found.update(own)
-            found.update(rider for part in own for rider in self.riders.get(part, ()))
-        return tuple(sorted(found))
-
-
 class _Graph(BlockingGraph):
     """What blocks parts, where the fasteners are those of `holds`."""
 
@@ -69,6 +43,7 @@ class _Graph(BlockingGraph):
         self._fixings = fixings
         self.rings = Rings(self, fixings)
         self._widened: set[int] = set()
+        self._movers: dict[tuple[int, frozenset[int]], Mover] = {}
 
     def exits(self, node: int) -> list[Exit]:
         """As of the graph of a removal order; a ring leaves its groove first."""
@@ -91,6 +66,22 @@ class _Graph(BlockingGraph):
             joints = joints_of(self.question, self._fixings, node)
             self._holding[node] = frozenset(next(iter(each)) for each in joints if len(each) == 1)
         return self._holding[node]
+
+    def leaving(self, node: int) -> frozenset[int]:
+        """The items that are out with a node."""
+        question = self.question
+        return question.leaving(node) if isinstance(question, Together) else frozenset([node])
+
+    def against(self, item: int, direction: Direction, beside: Iterable[int] = ()) -> frozenset[int] | None:
+        """The items in the way of one along a direction, but for some beside it; None if a kept one is, or many are."""
+        question = self.question
+        own = question.parts_of([item])
+        passed = {*question.parts_of(beside), *question.parts_of(self.holding(item))} - set(own)
+        key = (item, frozenset(passed))
+        if key not in self._movers:
+            self._movers[key] = Mover(self, item, frozenset(passed))
+        found = self._movers[key].blockers(direction, MOST_BLOCKERS)
+        return None if found is None else frozenset(map(question.node_of, found))
 
 
 def joints_of(question: Question, fixings: Fixings, node: int) -> list[frozenset[int]]:
@@ -133,29 +124,78 @@ class Actions:
         self._by_hand: dict[tuple[int, ...], Choice] = {}
         self._needed: dict[int, frozenset[int]] = {}
         self._holders: dict[int, list[frozenset[int]]] = {}
+        self._loads: dict[int, tuple[int, ...]] = {}
+        self._carried = Carried(question, fixings)
         self.met: dict[int, frozenset[int]] = {}
         """Of each fastener that a kept part stops on its axis: that part."""
 
     def know(self, other: Actions) -> None:
         """Takes over what other actions of the same question found of the geometry."""
         self.graph, self.rings, self._axis, self.met = other.graph, other.rings, other._axis, other.met
-        self._most, self._holders = other._most, other._holders
+        self._most, self._holders, self._loads, self._carried = (
+            other._most,
+            other._holders,
+            other._loads,
+            other._carried,
+        )
         self.graph.clock = self.clock
 
     def is_turned(self, item: int) -> bool:
         """Whether it is a fastener that a tool turns."""
         return item != TARGET and self.fixings.is_turned(item)
 
-    def holders(self, item: int) -> Sequence[frozenset[int]]:
+    def carriers(self, item: int) -> frozenset[int]:
         """As `Problem`."""
-        if item not in self._holders:
-            turned = self.is_turned(item)
-            self._holders[item] = [] if turned else joints_of(self.question, self.fixings, item)
-            if item == TARGET:
-                self._holders[item] += [frozenset([each]) for each in self.question.undone]
-        return self._holders[item]
+        return self._carried.carriers(item)
 
-    def ways(self, item: int) -> Sequence[Way]:
+    def riding(self, item: int, off: frozenset[int] = frozenset(), on: frozenset[int] = frozenset()) -> frozenset[int]:
+        """As `Problem`."""
+        return self._carried.riding(item, off, on)
+
+    def extensions(self, item: int, off: frozenset[int], on: frozenset[int]) -> Sequence[frozenset[int]]:
+        """As `Problem`."""
+        return self._carried.extensions(item, off, on)
+
+    def node(self, item: int, riding: frozenset[int]) -> int:
+        """The node of the graph that is a part with what rides on it."""
+        return self.question.with_riders(item, riding)
+
+    def loads(self, item: int, riding: frozenset[int]) -> Sequence[int]:
+        """As `Problem`: those that meet something along a direction in which the part alone does not, nor all other
+        riders."""
+        node = self.node(item, riding)
+        if node not in self._loads:
+            parts = [each for each in sorted(riding) if each not in self.fixings]
+            self._loads[node] = tuple(each for each in parts if self._is_met_more(item, each, riding))
+        return self._loads[node]
+
+    def _is_met_more(self, item: int, rider: int, riding: frozenset[int]) -> bool:
+        """Whether a rider is in the way of its part in some direction."""
+        body = riding | {item}
+        for direction in self.graph.directions(self.node(item, riding)):
+            self.clock.look()
+            bare = self.graph.against(item, direction, riding)
+            if bare is not None:
+                found = self.graph.against(rider, direction, body)
+                if found is None or found - body - bare:
+                    return True
+        return False
+
+    def holders(self, item: int, riding: frozenset[int] = frozenset()) -> Sequence[frozenset[int]]:
+        """As `Problem`."""
+        node = self.node(item, riding)
+        if node not in self._holders:
+            turned = self.is_turned(item)
+            self._holders[node] = [] if turned else joints_of(self.question, self.fixings, node)
+            if item == TARGET:
+                self._holders[node] += [frozenset([each]) for each in self.question.undone]
+        return self._holders[node]
+
+    def certain(self, item: int) -> Sequence[frozenset[int]]:
+        """The joints of a part that are undone in any case: those of it with all that can ride on it."""
+        return self.holders(item, self.riding(item))
+
+    def ways(self, item: int, riding: frozenset[int] = frozenset()) -> Sequence[Way]:
         """As `Problem`."""
         if self.is_turned(item):
             if item not in self._axis:
@@ -165,7 +205,7 @@ class Actions:
             return [Way((AXIS,), frozenset())]
         if item in self.fixings.studs:
             return []
-        return [Way(one.motions, one.blockers) for one in self.graph.exits(item)]
+        return [Way(one.motions, one.blockers) for one in self.graph.exits(self.node(item, riding))]
 
     def mates(self, item: int) -> frozenset[int]:
         """As `Problem`."""

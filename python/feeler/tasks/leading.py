@@ -18,8 +18,8 @@ from feeler.scene import PartNumber, Scene
 from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import WayAsked
 from feeler.tasks.elastic import RingWay
+from feeler.tasks.problem import Unit
 from feeler.tasks.rings import Slip
-from feeler.tasks.search import Unit
 
 Floats = npt.NDArray[np.float64]
 
@@ -138,8 +138,9 @@ class Leading:
         rest = question.scene.without([*parts, *gone])
         tool = Tool.of_parts(self._mockup, list(parts))
         motion: Any = unit.motion
+        node = self.actions.node(unit.items[0], unit.bodies[0])
         most = way_out(question.scene, tool, motion) - SHORTER_M
-        found = {each: way_out(question.scene, tool, each) for each in self.actions.graph.directions(unit.items[0])}
+        found = {each: way_out(question.scene, tool, each) for each in self.actions.graph.directions(node)}
         shorter = sorted((each for each, far in found.items() if far < most), key=lambda each: round(found[each], 6))
         for each in shorter:
             self.clock.look()
@@ -149,13 +150,14 @@ class Leading:
                 return each
         return motion
 
-    def search(self, item: int, out: frozenset[int]) -> bool:
-        """Whether a way is found while items are out, by pushes and random trees too; the graph then knows it, with
-        those of the items that it collides with. It is searched once for each set."""
+    def search(self, item: int, riding: frozenset[int], out: frozenset[int]) -> bool:
+        """Whether a way of a part with what rides on it is found while items are out, by pushes and random trees too;
+        the graph then knows it, with those of the items that it collides with. It is searched once for each set."""
         actions, question = self.actions, self.question
         gone = actions.gone(out)
-        parts = tuple(part for part in question.parts_of([item]) if part not in gone)
-        key = (item, frozenset(gone))
+        node = actions.node(item, riding)
+        parts = tuple(part for part in question.parts_of([node]) if part not in gone)
+        key = (node, frozenset(gone))
         if key in self._searched.tried or not parts or self._is_last(parts, gone):
             return False
         self.clock.tell(f"searching a way of {self._mockup.part_names[parts[0]]}")
@@ -173,33 +175,34 @@ class Leading:
             self._searched.tried.add(key)
         if not led.is_found:
             return False
-        met = frozenset(node for node in out if self._is_met(item, node, led.poses)) - {item}
+        met = frozenset(each for each in out if self._is_met(node, each, led.poses)) - {item} - riding
         name = Bent(len(self._searched.bent) + 1)
         self._searched.bent[name] = (met | needed, led)
-        actions.graph.learn(item, Exit((name,), met | needed))
+        actions.graph.learn(node, Exit((name,), met | needed))
         return True
 
-    def has_play(self, item: int, out: frozenset[int]) -> bool:
+    def has_play(self, item: int, riding: frozenset[int], out: frozenset[int]) -> bool:
         """Whether a part can be moved a little in one of its directions while items are out: without, a longer search
         is not worth it."""
         if item in self.actions.rings:
             return True
         gone = self.actions.gone(out)
-        parts = [part for part in self.question.parts_of([item]) if part not in gone]
+        node = self.actions.node(item, riding)
+        parts = [part for part in self.question.parts_of([node]) if part not in gone]
         bounds = Tool.of_parts(self._mockup, parts).bounds
         far, graph = PLAY_SHARE * float(np.linalg.norm(bounds[1] - bounds[0])), self.actions.graph
-        for direction in graph.directions(item):
+        for direction in graph.directions(node):
             self.clock.look()
-            blockers = graph.blockers_within(item, direction, far)
+            blockers = graph.blockers_within(node, direction, far)
             if blockers is not None and blockers <= gone:
                 return True
         return False
 
-    def _is_met(self, item: int, node: int, poses: Floats) -> bool:
+    def _is_met(self, node: int, other: int, poses: Floats) -> bool:
         self.clock.look()
-        parts = [part for part in self.question.parts_of([node]) if self.question.scene.part_mask[part]]
+        parts = [part for part in self.question.parts_of([other]) if self.question.scene.part_mask[part]]
         there = self.question.scene.only(parts)
-        return not there.check_path(self.question.moving([item]), poses, touching="free").is_free
+        return not there.check_path(self.question.moving([node]), poses, touching="free").is_free
 
     def _is_last(self, parts: tuple[int, ...], gone: frozenset[int]) -> bool:
         return int(self.question.scene.part_mask.sum()) <= len(parts) + len(gone)

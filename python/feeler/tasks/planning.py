@@ -22,7 +22,7 @@ from feeler.plan.sequence import Exit
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.spreading import check_executor
-from feeler.tasks.actions import Actions, Together
+from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import Ahead
 from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
@@ -30,12 +30,14 @@ from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
+from feeler.tasks.problem import Ordered, Unit
 from feeler.tasks.reached import Tooled
 from feeler.tasks.replanning import Found as Known
 from feeler.tasks.replanning import Memory
-from feeler.tasks.search import Found, Ordered, Search, Unit
+from feeler.tasks.search import Found, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
+from feeler.tasks.together import Together
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
@@ -43,6 +45,8 @@ Floats = npt.NDArray[np.float64]
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
+MOST_NAMED = 3
+"""Parts that ride along and are named."""
 _FULL = (
     "The search ended at its limit of {:,} sets of parts, not of time: more seconds do not help. Ask for fewer parts "
     "at once, leave out of the scene what is off already, or say with keep what stays."
@@ -322,7 +326,7 @@ class _Planner:
             for step in steps:
                 if not self.actions.is_turned(step.unit.items[0]):
                     asked.append(self.leading.asked(step.unit, self._left(step, out), out))
-                out |= set(step.unit.items)
+                out |= set(step.unit.leaving)
             self.actions.ahead.try_ways([each for each in asked if each is not None])
         out = frozenset()
         for n, step in enumerate(steps):
@@ -332,7 +336,7 @@ class _Planner:
                 return None
             if one.parts:
                 checked.append(one)
-            out |= set(step.unit.items)
+            out |= set(step.unit.leaving)
         return checked
 
     def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
@@ -357,34 +361,50 @@ class _Planner:
             if self.clock.goes_on():
                 self._learn(step, found)
             return None
-        return _Checked(step, parts, found.poses, actions.looked(step.unit.items, found.poses), found.said)
+        looked = actions.looked(step.unit.leaving, found.poses)
+        return _Checked(step, parts, found.poses, looked, found.said + self._carried(step.unit))
+
+    def _carried(self, unit: Unit) -> str:
+        """What stays on the parts of a step, in words."""
+        names = [self.mockup.part_names[each] for each in unit.riding if each not in self.actions.fixings]
+        if not names:
+            return ""
+        first, more = ", ".join(names[:MOST_NAMED]), len(names) - MOST_NAMED
+        return f"; {first}{f' and {more} more' if more > 0 else ''} {'stay' if len(names) > 1 else 'stays'} on it"
 
     def _left(self, step: Ordered, out: frozenset[int]) -> tuple[int, ...]:
         """The parts that leave in a step."""
         gone = self.actions.gone(out)
-        return tuple(part for part in self.question.parts_of(step.unit.items) if part not in gone)
+        return tuple(part for part in self.question.parts_of(step.unit.leaving) if part not in gone)
 
     def _learn(self, step: Ordered, tried: Led) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
         graph, question = self.actions.graph, self.question
-        items = set(step.unit.items)
+        items = set(step.unit.leaving)
         more = None if tried.worst is None else question.node_of(tried.worst)
-        for item in step.unit.items:
-            for one in graph.forget(item, step.unit.motion):
+        for item, riding in zip(step.unit.items, step.unit.bodies, strict=True):
+            node = self.actions.node(item, riding)
+            for one in graph.forget(node, step.unit.motion):
                 if more is not None and more not in items | question.kept | {TARGET}:
-                    graph.learn(item, Exit(one.motions, one.blockers | {more}, one.fasteners))
+                    graph.learn(node, Exit(one.motions, one.blockers | {more}, one.fasteners))
 
     def _try_bent(self, found: Found) -> bool:
         """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave."""
         graph, question = self.actions.graph, self.question
         stuck = [item for item in found.stuck if not (self.actions.is_turned(item) or item in question.kept)]
-        for item in sorted((item for item in stuck if all(self.actions.holders(item))), key=question.size):
+        for item in sorted((item for item in stuck if all(self.actions.certain(item))), key=question.size):
             if item == TARGET and not question.wanted:
                 continue
-            gone = graph.most_gone() | graph.holding(item) - {item}
-            if self.leading.search(item, gone - {TARGET}):
-                return True
+            for riding in self._bodies(item):
+                gone = graph.most_gone() | graph.holding(self.actions.node(item, riding)) - {item}
+                if self.leading.search(item, riding, gone - {TARGET}):
+                    return True
         return False
+
+    def _bodies(self, item: int) -> list[frozenset[int]]:
+        """What rode on a part where its ways were looked for."""
+        found = [riding for own, riding in self.question.bodies.values() if own == item]
+        return found if self.actions.riding(item) else [frozenset(), *found]
 
     def _asks_before(self, steps: tuple[Ordered, ...]) -> bool:
         """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
@@ -395,12 +415,12 @@ class _Planner:
         for n, step in enumerate(steps):
             elsewhere = sure.union(*(each for m, each in enumerate(needs) if m != n))
             extra = step.unit.before - elsewhere
-            for item in step.unit.items if extra else ():
-                if actions.is_turned(item) or not self.leading.has_play(item, out - extra):
+            for item, riding in zip(step.unit.items, step.unit.bodies, strict=False) if extra else ():
+                if actions.is_turned(item) or not self.leading.has_play(item, riding, out - extra):
                     continue
-                if self.leading.search(item, out - extra):
+                if self.leading.search(item, riding, out - extra):
                     return True
-            out |= set(step.unit.items)
+            out |= set(step.unit.leaving)
         return False
 
     def _answer(self, found: Found, checked: list[_Checked]) -> Task:
@@ -447,7 +467,7 @@ class _Planner:
         now = 0.0
         for ordered in found.steps or ():
             parts = self._left(ordered, out)
-            out |= set(ordered.unit.items)
+            out |= set(ordered.unit.leaving)
             if not parts:
                 continue
             tooled = ordered.choice.key
@@ -490,7 +510,7 @@ class _Planner:
                 after = [
                     m
                     for m, other in enumerate(checked[:n])
-                    if set(other.ordered.unit.items) & needed or set(other.parts) & looked
+                    if set(other.ordered.unit.leaving) & needed or set(other.parts) & looked
                 ]
             found.append(tuple(after))
         return found
@@ -500,10 +520,10 @@ class _Planner:
         actions, choice, item = self.actions, checked[n].ordered.choice, checked[n].ordered.unit.items[0]
         after = list(range(n))
         for m in reversed(range(n)):
-            if set(checked[m].ordered.unit.items) & needed:
+            if set(checked[m].ordered.unit.leaving) & needed:
                 continue
             fewer = [each for each in after if each != m]
-            out = frozenset(each for k in fewer for each in checked[k].ordered.unit.items)
+            out = frozenset(each for k in fewer for each in checked[k].ordered.unit.leaving)
             if any((each.tool, each.seconds) == choice[:2] for each in actions.tooled(item, out)[0]):
                 after = fewer
         return after
@@ -511,7 +531,7 @@ class _Planner:
     def _needed(self, unit: Unit) -> frozenset[int]:
         """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
         actions = self.actions
-        joints = frozenset[int]().union(*(joint for item in unit.items for joint in actions.holders(item)))
+        joints = frozenset[int]().union(*unit.joints)
         mates = actions.mates(unit.items[0]) if actions.is_turned(unit.items[0]) else frozenset[int]()
         return joints | mates | unit.before
 
@@ -535,7 +555,7 @@ class _Planner:
             strokes = strokes_for(actions.fixings.of(item).turns.count, tooled.stroke_deg)
         get = actions.times.elements["get"]
         variance = timed.spread**2 + (get.spread**2 if slot.is_changed else 0.0)
-        first = item if item != TARGET else one.parts[0]
+        first = item if item != TARGET else next(part for part in one.parts if self._is_wanted(part))
         said = timed.arithmetic + (f"; get {one.ordered.choice.tool}: {get.mean:g} s" if slot.is_changed else "")
         return TaskStep(
             number=number,
@@ -557,6 +577,10 @@ class _Planner:
             because=one.because,
             arithmetic=said,
         )
+
+    def _is_wanted(self, part: int) -> bool:
+        """Whether a part is wanted, or leaves with the wanted ones in any case."""
+        return part in self.question.parts_of([TARGET])
 
     def _blocked(self, found: Found) -> Task:
         rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
@@ -582,10 +606,11 @@ class _Planner:
         """Of the wanted parts what is known to hold them, and to be in their way where the fewest are, if the search
         ended before it knew what stays."""
         actions, question = self.actions, self.question
-        first = sorted({item for joint in actions.holders(TARGET) for item in joint})
-        ways = [sorted(one.blockers) for one in actions.graph.known(TARGET)]
+        first = sorted({item for joint in actions.certain(TARGET) for item in joint})
+        node = actions.node(TARGET, actions.riding(TARGET))
+        ways = [sorted(one.blockers) for one in actions.graph.known(node)]
         more = min(ways, key=len) if ways else []
-        nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(TARGET))), *first])
+        nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(node))), *first])
         paths = [self.mockup.part_paths[part] for node in nodes for part in question.parts_of([node])[:1]]
         return TaskBlocker(self.wanted[0], "the search ended before a plan was found", tuple(paths))
 
@@ -594,10 +619,11 @@ class _Planner:
         parts = question.parts_of([item])
         path = paths[parts[0] if item == TARGET else item] if parts or item != TARGET else ", ".join(self.wanted)
         if not actions.is_turned(item):
-            empty = any(not joint for joint in actions.holders(item))
+            empty = any(not joint for joint in actions.certain(item))
             said = "a fastener that holds it is kept" if empty else "no way out was found"
-            known = actions.graph.known_blockers(item) if not empty else {}
-            worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(item))
+            node = actions.node(item, actions.riding(item))
+            known = actions.graph.known_blockers(node) if not empty else {}
+            worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(node))
             return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))
         if item in actions.met:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))

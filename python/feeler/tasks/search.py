@@ -9,6 +9,9 @@ order by a second search, over what is out and which tool is in hand.
 Where bounds are low, many sets are below every plan. If none was found for long, each second set is thus the one that
 has come furthest. All others wait, so the bound is as good.
 
+A part may leave with what is fastened to it alone, its riders, where they are. So an item in the way is out with a part
+that it rides on, too; and of a part and its riders those may be undone before that are in the way of its motions.
+
 What is out never blocks, so more parts out never close a way. Hence at a need one of its alternatives is in every plan
 that grows from the set, and the least bound of all sets that have not been given up is a bound of every plan.
 """
@@ -19,7 +22,10 @@ import heapq
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
+
+from feeler.tasks.ordering import Order
+from feeler.tasks.problem import SLACK, Motions, Ordered, Problem, Unit, Way
 
 MOST_SETS = 20_000
 """Sets of one search; beyond it the best order so far is returned, with the bound of those that wait."""
@@ -27,106 +33,35 @@ PATIENCE = 200
 """Sets by their bound alone; after these, without a plan, each second one is that which has come furthest."""
 MOST_MORE = 500
 """Sets that are still looked at once a plan was found."""
-MOST_STATES = 5_000
-"""States of one order; beyond it the order is the best that a beam search finds."""
-MOST_AHEAD = 60
-"""States with equally many steps in a beam search."""
 SETTLED = 0.75
 """The share of the progress of a search when it has a plan."""
-SLACK = 1e-6
-"""Seconds that do not count."""
 _DIGITS = 6
 """To which bounds are rounded: sums of the same times in another order are equal."""
 
-Motions = tuple[Hashable, ...]
-
-
-class Choice(NamedTuple):
-    """One way to do a step: with a tool ("" for none), for so many seconds."""
-
-    tool: str
-    seconds: float
-    key: object
-    """For the problem: what it answered."""
-
-
-class Way(NamedTuple):
-    """Motions by which a part leaves, and the items that have to go before."""
-
-    motions: Motions
-    blockers: frozenset[int]
-
-
-class Problem(Protocol):
-    """What the search asks. Items are numbers: fasteners that are undone, and parts that are taken out."""
-
-    get_seconds: float
-    """For each change of the tool in hand."""
-    quickest: float
-    """The least seconds of any step by hand."""
-
-    def is_turned(self, item: int) -> bool:
-        """Whether it is a fastener, which leaves alone along its axis and needs a tool."""
-
-    def holders(self, item: int) -> Sequence[frozenset[int]]:
-        """Of each joint of a part, the items of which one has to be undone first."""
-
-    def ways(self, item: int) -> Sequence[Way]:
-        """How a part can leave, or a fastener can be drawn."""
-
-    def mates(self, item: int) -> frozenset[int]:
-        """Other fasteners on the axis of one: once one of them is undone, it is loose."""
-
-    def tooled(self, item: int, out: frozenset[int]) -> tuple[Sequence[Choice], frozenset[int]]:
-        """How a fastener is undone while items are out; and the items in the way of a tool, or of a larger swing."""
-
-    def expect(self, items: Sequence[int], out: frozenset[int] | None) -> None:
-        """Fasteners that are likely to be asked for together, while items are out; None: while all is out that can be.
-        No answer depends on it."""
-
-    def by_hand(self, items: Iterable[int]) -> Choice:
-        """How parts, which leave together, or a loose fastener are taken out."""
-
-    def least(self, item: int) -> float:
-        """The least seconds of a fastener in any order; infinite if it cannot be undone in any."""
-
-    def first(self, item: int) -> float:
-        """The least seconds of a fastener that is undone before all others on its axis: with a tool."""
-
-    def needed(self, item: int) -> frozenset[int]:
-        """Items each of which has to be out before a fastener is undone: with it alone in place no tool reaches it."""
-
 
 class Need(NamedTuple):
-    """Something that has to be settled: the way of a fastener or part, a joint, or the reach of a tool. Joints come
-    after ways, as these often settle them, and reach last: what is out gives room."""
+    """Something that has to be settled: whether parts ride on another one, what an item in the way leaves with, the way
+    of a fastener or part, a joint, or the reach of a tool. Joints come after ways, as these often settle them, and
+    reach last: what is out gives room."""
 
     rank: int
     item: int
-    joint: int
+    more: tuple[int, ...] = ()
+    """The parts that may ride on a part; the parts that an item in the way may leave with; of a joint the fasteners of
+    which one is undone."""
 
 
-_NEVER, _AXIS, _WAY, _JOINT, _REACH = range(5)
+_NEVER, _RIDE, _WITH, _AXIS, _WAY, _JOINT, _REACH = range(7)
 
 
-@dataclass(frozen=True)
-class Unit:
-    """Items that leave in one step."""
+class _Asked(NamedTuple):
+    """An item that a set has to have."""
 
-    items: tuple[int, ...]
-    motion: Hashable
-    before: frozenset[int]
-    """Items that have to be out before, but for loose fasteners and reach."""
-
-
-@dataclass(frozen=True)
-class Ordered:
-    """One step of an order."""
-
-    unit: Unit
-    choice: Choice
-    is_changed: bool
-    """Whether the tool in hand is changed for it."""
+    item: int
+    is_alone: bool
+    """Whether it has to be undone or taken out by itself: no part that it rides on will do."""
+    but: frozenset[int] = frozenset()
+    """Parts that it may not leave with."""
 
 
 @dataclass(frozen=True)
@@ -153,12 +88,17 @@ class _Set:
     """Seconds of fasteners whose tools get no more room than now."""
     stays: frozenset[int] = frozenset()
     """Items that plans of this set leave in place: they would give room to those."""
+    on: Mapping[int, frozenset[int]] = field(default_factory=dict)
+    """Of parts, those that ride on them though they are fastened to others, too."""
+    less: Mapping[int, frozenset[int]] = field(default_factory=dict)
+    """Of parts, those that do not ride on them though they could."""
 
     @property
     def key(self) -> Hashable:
         """Equal for equal sets."""
         chosen = tuple(sorted(self.chosen.items(), key=lambda each: each[0]))
-        return (self.items, self.needs, chosen, tuple(sorted(self.costs.items())), self.stays)
+        costs = tuple(sorted(self.costs.items()))
+        return (self.items, self.needs, chosen, costs, self.stays, _plain(self.on), _plain(self.less))
 
 
 class Search:
@@ -183,6 +123,7 @@ class Search:
         """The best plan and the bound until now, for whoever ends the search."""
         self._makes_room = False
         self._axes: dict[int, frozenset[int]] = {}
+        self._fixed: dict[int, frozenset[int]] = {}
 
     def best(self) -> Found:
         """The quickest plan found, and its bound.
@@ -215,11 +156,14 @@ class Search:
         """When an item of a plan is out at the earliest, seconds. above: what waits for it; ends: those known."""
         if item not in ends:
             problem, is_turned = self.problem, self.problem.is_turned(item)
-            before = {next(iter(joint)) for joint in problem.holders(item) if len(joint) == 1}
-            before |= problem.needed(item) if is_turned else set()
-            ways = [way.blockers for way in problem.ways(item)]
+            nothing = _Set(frozenset(), ())
+            alone = {next(iter(joint)) for joint in self._certain(nothing, item) if len(joint) == 1}
+            before = set(problem.needed(item)) if is_turned else set[int]()
+            has_riders = bool(self._riding(nothing, item) or self._extensions(nothing, item))
+            ways = [] if has_riders else [way.blockers for way in problem.ways(item, frozenset())]
             in_all = frozenset.intersection(*ways) if ways else frozenset[int]()
             before |= {each for each in in_all if is_turned or self._leaves_alone(each)}
+            before = alone | {each for each in before if not problem.carriers(each)}
             start = max((self._end(each, above | {each}, ends) for each in before - above), default=0.0)
             if is_turned:
                 least = problem.least(item)
@@ -233,8 +177,12 @@ class Search:
         return ends[item]
 
     def _leaves_alone(self, item: int) -> bool:
-        """Whether no plan takes it out together with another item."""
-        return self.problem.is_turned(item) or not any(way.blockers for way in self.problem.ways(item))
+        """Whether no plan takes it out together with another item, but for its riders."""
+        if self.problem.is_turned(item):
+            return True
+        nothing = _Set(frozenset(), ())
+        ways = self.problem.ways(item, self._riding(nothing, item))
+        return not (self._extensions(nothing, item) or any(way.blockers for way in ways))
 
     def _run(self, known: Found) -> Found:
         """The search over sets. known: a plan from before."""
@@ -271,7 +219,7 @@ class Search:
             new = []
             steps, blocked = self._in_order(one)
             if steps is None:
-                new = [each for item in sorted(blocked) if (each := self._grown(one, [item])) is not None]
+                new = list(self._with_each(one, blocked))
                 continue
             least_leaf = min(least_leaf, bound)
             if best is None:
@@ -299,8 +247,8 @@ class Search:
         found = sum(one.costs.get(item, problem.least(item)) for item in turned)
         found += sum(self._started(axis, one) for axis in set(map(self._axis, turned)) if axis)
         found += self._joined(one)
-        parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
-        open_ = _leading_to({need.item for need in one.needs if need.rank == _WAY}, parts)
+        parts = self._parts(one, self._carried(one))
+        open_ = _leading_to({need.item for need in one.needs if need.rank in (_WITH, _WAY)}, parts)
         found += sum(problem.by_hand(group).seconds for group in _groups(parts) if not open_ & set(group))
         found += min((problem.by_hand([item]).seconds for item in open_ & parts.keys()), default=0.0)
         needs_tool = any(problem.least(item) > 0.0 and not problem.mates(item) for item in turned)
@@ -320,7 +268,7 @@ class Search:
         found, counted = 0.0, set(one.items)
         for need in one.needs:
             if need.rank == _JOINT:
-                joint = self._joint(need)
+                joint = frozenset(need.more)
                 axes = joint.union(*map(self._axis, joint))
                 if not axes & counted:
                     counted |= axes
@@ -338,46 +286,144 @@ class Search:
         own = [self.problem.first(item) - self.problem.least(item) for item in axis & one.items]
         return min([*own, *(self.problem.first(item) for item in axis - one.items - one.stays)])
 
-    def _grown(self, one: _Set, more: Iterable[int]) -> _Set | None:
+    def _grown(self, one: _Set, more: Iterable[int], asked: Iterable[_Asked] = ()) -> _Set | None:
         """The set with more items, and what each of them needs for sure; None if that has to stay."""
         items, needs, chosen = set(one.items), list(one.needs), dict(one.chosen)
-        waiting = [item for item in more if item not in items]
+        problem = self.problem
+        waiting = [*(_Asked(item, True) for item in more), *asked]
         while waiting:
-            item = waiting.pop(0)
+            item, is_alone, but = waiting.pop(0)
             if item in items:
+                continue
+            carriers = frozenset[int]() if is_alone else problem.carriers(item) - but
+            if carriers:
+                needs.append(Need(_WITH, item, tuple(sorted(carriers))))
                 continue
             if item in one.stays:
                 return None
             items.add(item)
-            if not self.problem.is_turned(item):
-                held = sorted({each for joint in self.problem.holders(item) for each in joint} - items)
-                self.problem.expect(held, None)
-                self.problem.expect(held, frozenset())
-            for index, joint in enumerate(self.problem.holders(item)):
-                if len(joint) == 1:
-                    waiting += sorted(joint - items)
-                else:
-                    needs.append(Need(_JOINT if joint else _NEVER, item, index))
-            if self.problem.is_turned(item):
-                if math.isinf(self.problem.least(item)):
+            if problem.is_turned(item):
+                if math.isinf(problem.least(item)):
                     self._note(item, frozenset())
-                    needs.append(Need(_NEVER, item, 0))
+                    needs.append(Need(_NEVER, item))
                     continue
-                waiting += sorted(self.problem.needed(item) - items)
-                ways = self.problem.ways(item)
+                ways = problem.ways(item, frozenset())
+                in_its_way = set(problem.needed(item))
                 if len(ways) == 1:
                     chosen[item] = ways[0]
-                    waiting += sorted(ways[0].blockers - items)
+                    in_its_way |= ways[0].blockers
                 else:
-                    needs.append(Need(_AXIS, item, 0))
-                needs.append(Need(_REACH, item, 0))
+                    needs.append(Need(_AXIS, item))
+                waiting += self._in_the_way(item, in_its_way - items)
+                needs.append(Need(_REACH, item))
             else:
-                needs.append(Need(_WAY, item, 0))
-        open_ = (need for need in needs if need.rank != _JOINT or not self._joint(need) & items)
-        return replace(one, items=frozenset(items), needs=tuple(sorted(open_)), chosen=chosen)
+                so_far = replace(one, items=frozenset(items), chosen=chosen)
+                certain = self._certain(so_far, item)
+                held = sorted({each for joint in certain for each in joint} - items)
+                problem.expect(held, None)
+                problem.expect(held, frozenset())
+                alone, joined = self._held(so_far, item, certain)
+                waiting += alone
+                needs += [*joined, Need(_WAY, item)]
+        grown = replace(one, items=frozenset(items), needs=tuple(sorted(set(needs))), chosen=chosen)
+        carried = self._carried(grown)
+        again = self._again(grown, carried)
+        if again is not None:
+            return self._grown(*again)
+        if any(each in one.stays and carrier != self.target for each, carrier in carried.items()):
+            return None
+        return replace(grown, needs=tuple(need for need in grown.needs if self._is_open(need, grown, carried)))
 
-    def _joint(self, need: Need) -> frozenset[int]:
-        return self.problem.holders(need.item)[need.joint]
+    def _again(self, one: _Set, carried: Mapping[int, int]) -> tuple[_Set, tuple[()], list[_Asked]] | None:
+        """A set in which less rides on its parts than when their ways were found: it needs these anew, and what is in
+        the way of others by other means."""
+        there = one.items | carried.keys()
+        lost = [item for item, way in one.chosen.items() if way.riding - there]
+        if lost:
+            left = {item: way for item, way in one.chosen.items() if item not in lost}
+            fewer = replace(one, chosen=left)
+            held = [self._held(fewer, item, self._certain(fewer, item)) for item in lost]
+            needs = [*(Need(_WAY, item) for item in lost), *(need for _, more in held for need in more)]
+            asked = [each for alone, _ in held for each in alone]
+            return replace(fewer, needs=(*one.needs, *needs)), (), asked
+        there |= {need.item for need in one.needs if need.rank == _WITH}
+        missing = [(item, way.blockers - there) for item, way in one.chosen.items() if way.blockers - there]
+        if missing:
+            return one, (), [each for item, more in missing for each in self._in_the_way(item, more)]
+        return None
+
+    def _is_open(self, need: Need, one: _Set, carried: Mapping[int, int]) -> bool:
+        """Whether a set has not settled a need yet."""
+        if need.rank == _RIDE:
+            return frozenset(need.more) in self._extensions(one, need.item)
+        if need.rank == _JOINT:
+            return not one.items & set(need.more)
+        if need.rank != _WITH or need.item in one.items:
+            return need.rank != _WITH
+        return carried.get(need.item, self.target) == self.target
+
+    def _in_the_way(self, item: int, blockers: Iterable[int]) -> list[_Asked]:
+        """What is in the way of an item: out alone, or with another part before it. Parts can leave with the wanted
+        ones, which fasteners cannot wait for."""
+        is_last = item == self.target or self.problem.is_turned(item)
+        but = frozenset([item, self.target] if is_last else [item])
+        return [_Asked(each, False, but) for each in sorted(blockers)]
+
+    def _held(self, one: _Set, item: int, certain: Iterable[frozenset[int]]) -> tuple[list[_Asked], list[Need]]:
+        """What has to be undone for a part to leave with what rides on it, and what may ride on it."""
+        joints = [joint for joint in certain if not joint & one.items]
+        alone = [_Asked(each, True) for joint in joints if len(joint) == 1 for each in joint]
+        needs = [Need(_RIDE, item, tuple(sorted(more))) for more in self._extensions(one, item)]
+        needs += [Need(_JOINT if joint else _NEVER, item, tuple(sorted(joint))) for joint in joints if len(joint) != 1]
+        return alone, needs
+
+    def _certain(self, one: _Set, item: int) -> list[frozenset[int]]:
+        """The joints of a part that are undone whatever else rides on it."""
+        riding, off, on = self._riding(one, item), self._off(one, item), one.on.get(item, frozenset())
+        found = list(self.problem.holders(item, riding))
+        for more in self._extensions(one, item):
+            longer = set(self.problem.holders(item, self.problem.riding(item, off, on | more)))
+            found = [joint for joint in found if joint in longer]
+        return found
+
+    def _off(self, one: _Set, item: int) -> frozenset[int]:
+        """What does not ride on a part: it is out alone, left behind, or forced to go before or after others of it."""
+        if item not in self._fixed:
+            problem = self.problem
+            own = [
+                {each, ahead} - {item}
+                for each, all_ in self._forced.items()
+                for ahead in all_
+                if all(one == item or item in problem.carriers(one) for one in (each, ahead))
+            ]
+            self._fixed[item] = frozenset[int]().union(*own)
+        return one.items | one.less.get(item, frozenset()) | self._fixed[item]
+
+    def _riding(self, one: _Set, item: int) -> frozenset[int]:
+        """What rides on a part of a set; once its way is known, nothing more than then."""
+        found = self.problem.riding(item, self._off(one, item), one.on.get(item, frozenset()))
+        return found & one.chosen[item].riding if item in one.chosen else found
+
+    def _extensions(self, one: _Set, item: int) -> Sequence[frozenset[int]]:
+        """Parts of which it is open whether they ride on a part."""
+        return self.problem.extensions(item, self._off(one, item), one.on.get(item, frozenset()))
+
+    def _carried(self, one: _Set) -> dict[int, int]:
+        """What a set takes out with its parts, and with which of them."""
+        found: dict[int, int] = {}
+        for item in sorted(one.items):
+            if not self.problem.is_turned(item):
+                found.update((each, item) for each in sorted(self._riding(one, item)) if each not in found)
+        return found
+
+    def _parts(self, one: _Set, carried: Mapping[int, int]) -> dict[int, Way]:
+        """The ways of the parts of a set; of what rides on a part, that part is in the way instead."""
+        found = {}
+        for item, way in one.chosen.items():
+            if not self.problem.is_turned(item):
+                blockers = frozenset(carried.get(each, each) for each in way.blockers) - {item}
+                found[item] = way._replace(blockers=blockers)
+        return found
 
     def _children(self, one: _Set) -> Iterator[_Set]:
         """The sets that settle the first need of a set, each in one way."""
@@ -386,18 +432,54 @@ class Search:
         item, problem = need.item, self.problem
         if need.rank == _NEVER:
             self._note(item, frozenset())
+        elif need.rank == _RIDE:
+            more = frozenset(need.more)
+            yield from self._rode(replace(left, on={**one.on, item: one.on.get(item, frozenset()) | more}), item)
+            yield from self._rode(replace(left, less={**one.less, item: one.less.get(item, frozenset()) | more}), item)
+        elif need.rank == _WITH:
+            yield from self._with_each(left, [item])
+            yield from self._with_each(left, set(need.more) - one.items)
+            if self.target in need.more:
+                yield left  # it leaves with the wanted parts
         elif need.rank == _JOINT:
-            yield from self._with_each(left, self._joint(need))
-        elif need.rank in (_AXIS, _WAY):
-            ways = problem.ways(item)
+            yield from self._with_each(left, need.more)
+        elif need.rank == _AXIS:
+            ways = problem.ways(item, frozenset())
             if not ways:
                 self._note(item, frozenset())
-            for way in ways:
-                grown = self._grown(replace(left, chosen={**one.chosen, item: way}), sorted(way.blockers - one.items))
-                if grown is not None:
-                    yield grown
+            yield from self._by_each(left, item, ways)
+        elif need.rank == _WAY:
+            yield from self._led(left, need)
         else:
             yield from self._reached(one, item, left)
+
+    def _rode(self, one: _Set, item: int) -> Iterator[_Set]:
+        """The set in which it is settled what rides on a part: what holds it then has to be undone."""
+        alone, needs = self._held(one, item, self._certain(one, item))
+        grown = self._grown(replace(one, needs=(*one.needs, *needs)), (), alone)
+        if grown is not None:
+            yield grown
+
+    def _led(self, left: _Set, need: Need) -> Iterator[_Set]:
+        """The sets in which a part leaves in each of its ways, or with less on it."""
+        item, problem = need.item, self.problem
+        riding = self._riding(left, item)
+        ways = [way._replace(riding=riding) for way in problem.ways(item, riding)]
+        if not ways:
+            self._note(item, frozenset())
+        yield from self._by_each(left, item, ways)
+        if riding and all(way.blockers for way in ways):
+            for load in problem.loads(item, riding):
+                less = {**left.less, item: left.less.get(item, frozenset()) | {load}}
+                yield from self._rode(replace(left, less=less, needs=(*left.needs, need)), item)
+
+    def _by_each(self, one: _Set, item: int, ways: Iterable[Way]) -> Iterator[_Set]:
+        """A set for each way of an item."""
+        for way in ways:
+            asked = self._in_the_way(item, way.blockers - one.items)
+            grown = self._grown(replace(one, chosen={**one.chosen, item: way}), (), asked)
+            if grown is not None:
+                yield grown
 
     def _with_each(self, one: _Set, items: Iterable[int]) -> Iterator[_Set]:
         """A set for each item more."""
@@ -412,10 +494,11 @@ class Search:
         if mates & one.items:
             yield left
             return
-        choices, blockers = problem.tooled(item, one.items - {item} - self._after(item, one))
+        choices, blockers = problem.tooled(item, self._out_before(item, one))
         more = blockers - one.items - {item}
+        carriers = frozenset[int]().union(*map(problem.carriers, more)) - one.items - {item}
         if not choices:
-            yield from self._with_each(one, more)
+            yield from self._with_each(one, more | carriers)
             yield from self._with_each(left, mates)
             if not (more or mates):
                 self._note(item, blockers)
@@ -427,28 +510,40 @@ class Search:
             yield replace(left, costs={**one.costs, item: seconds})
         else:
             yield replace(left, costs={**one.costs, item: seconds}, stays=one.stays | more)
-            yield from self._with_each(one, more)
+            yield from self._with_each(one, more | carriers)
 
     def _note(self, item: int, blockers: frozenset[int]) -> None:
         self.stuck.setdefault(item, blockers)
 
-    def _after(self, item: int, one: _Set) -> frozenset[int]:
-        """Items of a set that cannot leave before one: it alone holds them, or they wait for such ones."""
-        found = {each for each in one.items if frozenset([item]) in self.problem.holders(each)}
+    def _out_before(self, item: int, one: _Set) -> frozenset[int]:
+        """What a set can have out before a fastener is undone: not what it alone holds, nor what waits for that."""
+        carried = self._carried(one)
+        parts = [each for each in one.items if not self.problem.is_turned(each)]
+        found = {each for each in parts if frozenset([item]) in self._joints(one, each)}
         while True:
-            more = {each for each, way in one.chosen.items() if way.blockers & found}
+            more = {each for each, way in one.chosen.items() if {carried.get(b, b) for b in way.blockers} & found}
             if self.target in one.items:
                 more.add(self.target)
             if more <= found:
-                return frozenset(found - {item})
+                break
             found |= more
+        with_them = {each for each, carrier in carried.items() if carrier not in found}
+        return frozenset(one.items - found | with_them) - {item}
 
     def _in_order(self, one: _Set) -> tuple[tuple[Ordered, ...] | None, frozenset[int]]:
         """The quickest order of a set; if there is none, items beyond it that may help."""
-        units = self._units(one)
+        carried = self._carried(one)
+        dragged = self._dragged(one, carried)
+        if dragged:
+            return None, dragged
+        for item in one.chosen:
+            for joint in () if self.problem.is_turned(item) else self._joints(one, item):
+                if not joint & one.items:
+                    return None, joint
+        units = self._units(one, carried)
         if units is None:
             return None, frozenset()
-        order = _Order(self.problem, units, self._goes_on)
+        order = Order(self.problem, units, self._goes_on)
         steps = order.best()
         if steps is not None:
             last = next(n for n, step in enumerate(steps) if self.target in step.unit.items)
@@ -459,29 +554,47 @@ class Search:
         for item, blockers in order.waiting.items():
             self._note(item, blockers)
         helping = frozenset[int]().union(*order.blocked.values()) if order.blocked else frozenset[int]()
-        return None, helping - one.items
+        # What waits for a part that leaves too late may be out alone.
+        late = frozenset[int]().union(*order.waiting.values()) if order.waiting else frozenset[int]()
+        return None, helping - one.items | late & carried.keys()
 
-    def _units(self, one: _Set) -> list[Unit] | None:
+    def _dragged(self, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
+        """What rides on others that leave together with the wanted parts: these are led out of it, not with it."""
+        groups = _groups(self._parts(one, carried))
+        last = next((set(group) for group in groups if self.target in group), set[int]()) - {self.target}
+        return frozenset(each for each, carrier in carried.items() if carrier in last)
+
+    def _units(self, one: _Set, carried: Mapping[int, int]) -> list[Unit] | None:
         """The steps of a set, without their order: parts that block each other leave together."""
-        problem = self.problem
-        parts = {item: way for item, way in one.chosen.items() if not problem.is_turned(item)}
+        parts = self._parts(one, carried)
         units = []
         for group in _groups(parts):
             motion = _in_common([parts[item].motions for item in group])
             if motion is None:
                 self._note(group[0], frozenset(group[1:]))
                 return None
-            before = frozenset[int]().union(*(parts[item].blockers | self._first(item, one) for item in group))
-            before -= set(group)
-            units.append(Unit(tuple(group), motion, before))
+            riding = tuple(sorted(each for each, carrier in carried.items() if carrier in group))
+            before = frozenset[int]().union(*(one.chosen[item].blockers for item in group))
+            before |= frozenset[int]().union(*(self._first(item, one, carried) for item in (*group, *riding)))
+            before |= frozenset[int]().union(*(one.chosen[item].riding & one.items for item in group))
+            joints = [self._joints(one, item) for item in group]
+            bodies = tuple(one.chosen[item].riding for item in group)
+            out = before - set(group) - set(riding)
+            units.append(
+                Unit(tuple(group), motion, out, tuple(each for some in joints for each in some), bodies, riding)
+            )
         for item in sorted(one.items - parts.keys()):
             way = one.chosen[item]
-            units.append(Unit((item,), way.motions[0], way.blockers | self._first(item, one)))
+            units.append(Unit((item,), way.motions[0], way.blockers | self._first(item, one, carried)))
         return units
 
-    def _first(self, item: int, one: _Set) -> frozenset[int]:
+    def _joints(self, one: _Set, item: int) -> Sequence[frozenset[int]]:
+        """The joints of a part, with what rides on it, that are undone before it leaves."""
+        return self.problem.holders(item, self._riding(one, item))
+
+    def _first(self, item: int, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
         """The items of a set that are forced to go before one of them."""
-        return self._forced.get(item, frozenset()) & one.items - {item}
+        return self._forced.get(item, frozenset()) & (one.items | carried.keys()) - {item}
 
     def _seconds(self, steps: Sequence[Ordered]) -> float:
         return sum(step.choice.seconds + self.problem.get_seconds * step.is_changed for step in steps)
@@ -527,174 +640,9 @@ class _Waiting:
         return bound, one
 
 
-class _State(NamedTuple):
-    """What is out, after which steps."""
-
-    spent: float
-    out: frozenset[int]
-    tool: str
-    """In hand."""
-    steps: tuple[Ordered, ...]
-
-
-class _Order:
-    """The quickest order of units: A* over what is out and which tool is in hand.
-
-    A step that has to be done, costs as little as it ever will and needs no other tool is done at once: to do it
-    earlier makes no other step longer.
-    """
-
-    def __init__(self, problem: Problem, units: Sequence[Unit], goes_on: Callable[[], bool]) -> None:
-        self.problem, self.units, self._goes_on = problem, units, goes_on
-        self.all = frozenset(item for unit in units for item in unit.items)
-        self.blocked: dict[int, frozenset[int]] = {}
-        self.waiting: dict[int, frozenset[int]] = {}
-        """Where no tool lacks room: what waits for what waits for it, parts if there are any."""
-        self._needed: dict[Unit, frozenset[int]] = {}
-        self._at_best = [self._cheapest(unit) for unit in units]
-        self._least = [min((each.seconds for each in some), default=0.0) for some in self._at_best]
-
-    def _cheapest(self, unit: Unit) -> Sequence[Choice]:
-        """How a unit leaves once all others are out that need not wait for it."""
-        item = unit.items[0]
-        if not self.problem.is_turned(item):
-            return [self.problem.by_hand(unit.items)]
-        choices, _ = self.problem.tooled(item, self.all - {item} - self._waiting_for(item))
-        loose = [self.problem.by_hand(unit.items)] if self.problem.mates(item) & self.all else []
-        return [*choices, *loose]
-
-    def _waiting_for(self, item: int) -> frozenset[int]:
-        """The items that cannot leave before one: it is in their way or holds them, or they wait for such ones."""
-        found = {item}
-        while True:
-            more = {each for unit in self.units if self._needs(unit) & found for each in unit.items}
-            if more <= found:
-                return frozenset(found - {item})
-            found |= more
-
-    def _needs(self, unit: Unit) -> frozenset[int]:
-        """The items that have to be out before a unit: of joints those that are alone in it."""
-        if unit not in self._needed:
-            joints = [joint & self.all for item in unit.items for joint in self.problem.holders(item)]
-            alone = frozenset[int]().union(*(joint for joint in joints if len(joint) == 1))
-            self._needed[unit] = (unit.before | alone) - set(unit.items)
-        return self._needed[unit]
-
-    def best(self) -> tuple[Ordered, ...] | None:
-        """The order; None if there is none, and then `blocked` has what is in the way of what."""
-        count = len(self.units)
-        start = frozenset[int]()
-        queue: list[tuple[float, int, float, frozenset[int], str, tuple[Ordered, ...]]] = []
-        heapq.heappush(queue, (sum(self._least), 0, 0.0, start, "", ()))
-        done: set[tuple[frozenset[int], str]] = set()
-        number, furthest = 0, start
-        while queue:
-            _, _, spent, out, tool, steps = heapq.heappop(queue)
-            if len(steps) == count:
-                return steps
-            if (out, tool) in done:
-                continue
-            done.add((out, tool))
-            if len(out) > len(furthest):
-                furthest = out
-            self.problem.expect([unit.items[0] for unit in self.units if self._is_next(unit, out)], out)
-            ready = list(self._ready(out, tool))
-            if len(done) > MOST_STATES:
-                return self._hastily()
-            for n, step in self._worth(ready, tool):
-                left = self._left(out)
-                after = spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
-                number += 1
-                grown = out | set(step.unit.items)
-                entry = (after + left - self._least[n], number, after, grown, step.choice.tool or tool, (*steps, step))
-                heapq.heappush(queue, entry)
-        self._note_blocked(furthest)
-        return None
-
-    def _hastily(self) -> tuple[Ordered, ...] | None:
-        """An order by a beam search: of the states with equally many steps only those that promise most go on."""
-        beam: list[_State] = [_State(0.0, frozenset(), "", ())]
-        for _ in self.units:
-            grown: dict[tuple[frozenset[int], str], _State] = {}
-            for state in beam:
-                ready = list(self._ready(state.out, state.tool))
-                for _, step in self._worth(ready, state.tool):
-                    spent = state.spent + step.choice.seconds + self.problem.get_seconds * step.is_changed
-                    out, tool = state.out | set(step.unit.items), step.choice.tool or state.tool
-                    if (out, tool) not in grown or spent < grown[out, tool].spent - SLACK:
-                        grown[out, tool] = _State(spent, out, tool, (*state.steps, step))
-            if not grown:
-                self._note_blocked(beam[0].out)
-                return None
-            beam = sorted(grown.values(), key=self._promised)[:MOST_AHEAD]
-        return min(beam, key=lambda each: each.spent).steps
-
-    def _promised(self, state: _State) -> float:
-        """The seconds of an order that goes on from a state, by a guess: each unit at its least, and a change of the
-        tool for those that no tool in hand serves, the units with the fewest tools first."""
-        tools = [
-            {each.tool for each in some}
-            for unit, some in zip(self.units, self._at_best, strict=True)
-            if not state.out & set(unit.items) and all(each.tool for each in some)
-        ]
-        held, changes = {state.tool}, 0
-        for some in sorted(tools, key=len):
-            if not some & held:
-                changes += 1
-                held |= some
-        return state.spent + self._left(state.out) + self.problem.get_seconds * changes
-
-    def _left(self, out: frozenset[int]) -> float:
-        """The least seconds of the units that are still there."""
-        return sum(least for each, least in zip(self.units, self._least, strict=True) if not out & {*each.items})
-
-    def _ready(self, out: frozenset[int], tool: str) -> Iterator[tuple[int, Ordered]]:
-        """The steps that can be done now."""
-        for n, unit in enumerate(self.units):
-            if not self._is_next(unit, out):
-                continue
-            for choice in self._choices(unit, out):
-                yield n, Ordered(unit, choice, bool(choice.tool) and choice.tool != tool)
-
-    def _is_next(self, unit: Unit, out: frozenset[int]) -> bool:
-        return not out & set(unit.items) and unit.before <= out and self._is_free(unit, out)
-
-    def _is_free(self, unit: Unit, out: frozenset[int]) -> bool:
-        gone = out | set(unit.items)
-        return all(joint & gone for item in unit.items for joint in self.problem.holders(item))
-
-    def _choices(self, unit: Unit, out: frozenset[int]) -> Sequence[Choice]:
-        item = unit.items[0]
-        if not self.problem.is_turned(item) or self.problem.mates(item) & out:
-            return [self.problem.by_hand(unit.items)]
-        return self.problem.tooled(item, out)[0]
-
-    def _worth(self, ready: Sequence[tuple[int, Ordered]], tool: str) -> Iterator[tuple[int, Ordered]]:
-        """The steps to go on with: the first that is best done at once; else all, but of those that are as quick as
-        they will be and need the same other tool one."""
-        for n, step in ready:
-            if not step.is_changed and step.choice.seconds <= self._least[n] + SLACK:
-                yield n, step
-                return
-        tools: set[str] = set()
-        for n, step in ready:
-            if step.choice.seconds <= self._least[n] + SLACK:
-                if step.choice.tool in tools:
-                    continue
-                tools.add(step.choice.tool)
-            yield n, step
-
-    def _note_blocked(self, out: frozenset[int]) -> None:
-        for unit in self.units:
-            item = unit.items[0]
-            if not out & set(unit.items) and self.problem.is_turned(item) and unit.before <= out:
-                choices, blockers = self.problem.tooled(item, out)
-                if not choices:
-                    self.blocked[item] = blockers - {item}
-        if not self.blocked:
-            left = [unit for unit in self.units if not out & set(unit.items) and not unit.before <= out]
-            parts = [unit for unit in left if not self.problem.is_turned(unit.items[0])]
-            self.waiting = {item: unit.before - out for unit in parts or left for item in unit.items}
+def _plain(sets: Mapping[int, frozenset[int]]) -> Hashable:
+    """Equal for equal sets."""
+    return tuple(sorted((item, tuple(sorted(found))) for item, found in sets.items()))
 
 
 def _leading_to(items: set[int], chosen: Mapping[int, Way]) -> set[int]:
