@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +26,7 @@ Ints = npt.NDArray[np.int64]
 
 PLAY = 0.15
 """How far a race may be from an element, in radii of the element."""
-SAG = 0.01
+SAG = 0.02
 """How far the chords of a race may be off it, in radii of the row."""
 FACING_DEG = 150.0
 """Directions from an element to its two races: opposite, but for this."""
@@ -40,8 +41,8 @@ SHRUNK = (0.99, 0.97, 0.94, 0.9, 0.85, 0.78, 0.7)
 LOOSE = 1.2
 """How far a race moves until the row stops it, in radii of the element, if it is held."""
 RING_RADIUS, RING_LENGTH = 2.2, 6.0
-"""A ring is at most so large, in outer radii of the row, and so long, in lengths of an element. Larger parts with a race,
-such as housings and shafts, are no part of a bearing."""
+"""A ring is at most so large, in outer radii of the row, and so long, in lengths of an element. Larger parts with a
+race, such as housings and shafts, are no part of a bearing."""
 LANDS = 0.3
 """Seals may reach so deep into rings, as a share of their wall beside the row."""
 CAGE = 1.2
@@ -259,7 +260,7 @@ class _Look:
         own = np.concatenate([row.flat(self.meshes.mesh(part)[0]) for part in row.parts])
         low, high = own.min(axis=0), own.max(axis=0)
         reach = CAGE * row.element.radius
-        box = [low - [reach, reach], high + [reach, reach]]
+        box = [low - reach, high + reach]
         flats = {part: row.flat(self.meshes.mesh(part)[0]) for part in rings}
         if len(rings) > 1:
             inner, outer = min(flat[:, 0].min() for flat in flats.values()), max(f[:, 0].max() for f in flats.values())
@@ -305,7 +306,7 @@ def _spread(count: int) -> list[int]:
     return sorted({n * count // min(count, _MOST_ELEMENTS) for n in range(min(count, _MOST_ELEMENTS))})
 
 
-def _is_facing(turn: Floats, touched: dict[int, npt.NDArray[np.bool_]], part: int) -> bool:
+def _is_facing(turn: npt.NDArray[Any], touched: dict[int, npt.NDArray[np.bool_]], part: int) -> bool:
     """Whether another part is met on the opposite side."""
     own = turn[touched[part]]
     for other, is_by in touched.items():

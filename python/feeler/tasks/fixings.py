@@ -13,13 +13,15 @@ from feeler.mockup import Tool
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.digests import facts_of
-from feeler.tasks.holding import Hold, Holds
+from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]
 
+_STAY = ("stud", BODY)
+"""Kinds that are not undone."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
 _BESIDE = 8
@@ -62,6 +64,12 @@ class Fixings:
             hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
         }
         """Studs, and the part that each is fastened in."""
+        self.bodies: list[tuple[int, ...]] = []
+        """Parts that leave as one, such as those of a rolling bearing; the one that it is known by is the first."""
+        for hold in held:
+            body = tuple(part for part in (hold.fastener, *hold.parts) if scene.part_mask[part])
+            if hold.kind == BODY and len(body) > 1:
+                self.bodies.append(body)
         self._axles = {
             hold.anchor
             for hold in held
@@ -75,10 +83,10 @@ class Fixings:
                 self.by_joined.setdefault(part, []).append(hold.fastener)
 
     def __contains__(self, part: object) -> bool:
-        return part in self._held and self._held[part].kind != "stud"
+        return part in self._held and self._held[part].kind not in _STAY
 
     def __iter__(self) -> Iterator[int]:
-        return iter(part for part, hold in self._held.items() if hold.kind != "stud")
+        return iter(part for part, hold in self._held.items() if hold.kind not in _STAY)
 
     def of(self, part: int) -> Fixing:
         """The fastener of a part."""
@@ -89,7 +97,7 @@ class Fixings:
     def joins(self, part: int) -> tuple[int, ...]:
         """The parts that a fastener joins, without itself."""
         hold = self._held[part]
-        if hold.kind == "stud" or not hold.parts:
+        if hold.kind in _STAY or not hold.parts:
             return ()
         ends = [*hold.parts, self._end(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))

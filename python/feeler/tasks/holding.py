@@ -17,12 +17,15 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.tasks.bearings import bearings_of
 from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
 
 Floats = npt.NDArray[np.float64]
 
+BODY = "bearing"
+"""The kind of parts that leave as one."""
 TIGHT = 1.014
 """Radius of a hole over that of the shank: threads and fits are tighter, clearance holes wider."""
 CORE = 0.93
@@ -59,7 +62,7 @@ class Hold:
     path: str
     kind: str
     """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
-    table says so."""
+    table says so. "bearing": no fastener, but the parts of a rolling bearing, which leave as one."""
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
@@ -145,16 +148,21 @@ def holds(
     given = _given(scene.mockup, table)
     present = [row for row in fasteners if scene.part_mask[row.part]]
     if progress is not None:
-        progress(0.8, "looking at circlips and pins")
-    by_name = retained(scene, [row.part for row in present])
+        progress(0.8, "looking at circlips, pins and bearings")
+    bearings = bearings_of(scene, [row.part for row in present])
+    taken = {part for each in bearings for part in (each.lead, *each.parts)}
+    by_name = retained(scene, [*(row.part for row in present), *taken])
     kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
     for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     held = {part for row in kept.values() for part in row.parts}
-    for each in clips(scene, held, set(kept)):
+    for each in clips(scene, held | taken, set(kept)):
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for row in [each for each in kept.values() if each.kind == "fitting"]:
         kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
+    for whole in bearings:
+        others = tuple(part for part in whole.parts if part not in given)
+        kept[whole.lead] = _row(scene.mockup, whole.lead, BODY, others, (), None, (), whole.because)
     for part, parts in given.items():
         was = kept.get(part)
         said = "the table says so"

@@ -28,6 +28,9 @@ CONVEX = 0.02
 """By how much a corner may be outside of a face's plane, as a share of the part's size."""
 BALL = 0.04
 """By how much the distances of a ball's corners from its middle may differ, as a share."""
+FULL = 0.64
+"""The least volume of a ball, over that of a sphere of its area, squared: 0.67 with 16 triangles, 0.60 for a hexagonal
+prism."""
 FLAT, ENDS = 0.98, 0.15
 """Faces whose normals have this cosine to an axis are ends; if they have this share of the area, it is no ball."""
 ROUND = 0.9
@@ -125,18 +128,29 @@ def element_of(vertices: Floats, faces: Ints) -> Element | None:
     beyond = (vertices - middle) @ planes.T - np.einsum("ij,ij->i", planes, corners[largest, 0] - middle)
     if float(beyond.max()) > CONVEX * size:
         return None
+    rollers = [each for axis in part_axes(corners) if (each := _roller(vertices - middle, middle, axis)) is not None]
     far = np.linalg.norm(vertices - middle, axis=1)
-    axes = part_axes(corners)
-    if np.ptp(far) <= BALL * far.max() and not any(_is_prism(corners, axis) for axis in axes):
+    is_ball = np.ptp(far) <= BALL * far.max() and _fullness(corners - middle) >= FULL
+    if is_ball and not any(each.axis is not None and _is_prism(corners, each.axis) for each in rollers):
         return Element(middle, None, float(far.max()), 2.0 * float(far.max()))
-    for axis in axes:
-        along = (vertices - middle) @ axis
-        across = vertices - middle - along[:, None] * axis
-        radius, length = float(np.linalg.norm(across, axis=1).max()), float(np.ptp(along))
-        if LENGTHS[0] <= 0.5 * length / radius <= LENGTHS[1] and _is_round(across, axis):
-            ends = middle + 0.5 * float(along.min() + along.max()) * axis
-            return Element(ends, axis, radius, length)
-    return None
+    return next(iter(rollers), None)
+
+
+def _roller(local: Floats, middle: Floats, axis: Floats) -> Element | None:
+    """The roller about an axis that has some corners, (n, 3) from a point of the axis."""
+    along = local @ axis
+    across = local - along[:, None] * axis
+    radius, length = float(np.linalg.norm(across, axis=1).max()), float(np.ptp(along))
+    if not (LENGTHS[0] <= 0.5 * length / radius <= LENGTHS[1] and _is_round(across, axis)):
+        return None
+    return Element(middle + 0.5 * float(along.min() + along.max()) * axis, axis, radius, length)
+
+
+def _fullness(corners: Floats) -> float:
+    """The volume in triangles (n, 3, 3), squared, over that of a sphere of their area."""
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area, volume = 0.5 * np.linalg.norm(across, axis=1).sum(), np.einsum("ij,ij->", corners[:, 0], across) / 6.0
+    return float(36.0 * math.pi * volume**2 / area**3)
 
 
 def _is_prism(corners: Floats, axis: Floats) -> bool:
@@ -216,7 +230,11 @@ def _circles(middles: Floats, within: float) -> Iterator[tuple[Ints, Floats, Flo
             if circle is None:
                 continue
             chosen = np.flatnonzero(left & _is_on(middles, circle, within))
-            if len(chosen) >= FEWEST and (best is None or len(chosen) > len(best[0])) and _is_even(middles[chosen], circle):
+            if (
+                len(chosen) >= FEWEST
+                and (best is None or len(chosen) > len(best[0]))
+                and _is_even(middles[chosen], circle)
+            ):
                 best = (chosen, *circle)
         if best is not None:
             left[best[0]] = False
