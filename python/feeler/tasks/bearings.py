@@ -35,7 +35,7 @@ ROLLING = 0.64
 MOST, ROUND = 0.6, 0.85
 """The share of the elements that touch a race, and that of the rays around the axis that meet it as far away."""
 FILLED = 0.3
-"""What begins this deep in elements, in their radii, is in them: a planet wheel on its pin is none."""
+"""What is met this deep in elements on the way around the row, in their radii, is in them."""
 SHRUNK = (0.99, 0.97, 0.94, 0.9, 0.85, 0.78, 0.7)
 """Elements are so much narrower when it is asked whether a race slips off them: of these the first that is free."""
 LOOSE = 1.2
@@ -154,7 +154,7 @@ class _Look:
 
     def _races(self, row: Row, around: list[int]) -> tuple[int, ...]:
         """The parts that the elements roll on."""
-        if not around:
+        if not around or self._is_pinned(row, around):
             return ()
         some = _spread(len(row.parts))
         turn = np.arange(_DIRECTIONS) * (math.tau / _DIRECTIONS)
@@ -164,19 +164,23 @@ class _Look:
         within = 4.0 * max(row.element.radius, row.element.length)
         own = self._sides(row, starts, ways, within)
         touched: dict[int, npt.NDArray[np.bool_]] = {}
-        nearest = np.full(own.shape, np.inf)
         radius = row.element.radius
         for part in around:  # alone: parts may be in each other
             far = self._met([part], starts, ways, within)
-            nearest = np.minimum(nearest, far)
             is_met = np.abs(far - own) <= PLAY * radius + SAG * row.radius
             is_by = is_met.mean(axis=0) >= MOST
             if is_by.any() and self._is_round(row, part, turn[is_by], far[:, is_by]):
                 touched[part] = is_by
-        if np.mean(nearest < own - FILLED * radius) > 0.5:
-            return ()
         races = [part for part in touched if _is_facing(turn, touched, part)]
         return tuple(sorted(part for part in races if not self._is_between(row, part, races)))
+
+    def _is_pinned(self, row: Row, around: list[int]) -> bool:
+        """Whether other parts are in the elements, as pins are in planet wheels that are drawn without a bore."""
+        ways = np.cross(row.axis, row.outward())
+        starts = np.array([each.middle for each in row.elements])
+        both = np.concatenate([ways, -ways])
+        far = self._met(around, np.concatenate([starts, starts]), both, 2.0 * row.element.radius)
+        return float(np.mean(far < (1.0 - FILLED) * row.element.radius)) > 0.5
 
     def _sides(self, row: Row, starts: Floats, ways: Floats, within: float) -> Floats:
         """How far the sides that elements roll on are from their middles along rays, (n, directions); -infinite
