@@ -62,7 +62,9 @@ def ball(radius: float, rows: int = 8, count: int = 12) -> Mesh:
     return vertices, faces
 
 
-def around(mesh: Mesh, radius: float, count: int, *, z: float = 0.0, tilt: float = 0.0, turn: float = 0.0) -> list[Mesh]:
+def around(
+    mesh: Mesh, radius: float, count: int, *, z: float = 0.0, tilt: float = 0.0, turn: float = 0.0
+) -> list[Mesh]:
     """The same at each place on a circle, tilted towards the axis there, degrees, and each turned about its own."""
     found = []
     for n in range(count):
@@ -75,9 +77,11 @@ def named(name: str, meshes: Sequence[Mesh]) -> dict[str, Mesh]:
     return {f"{name}_{n + 1}": mesh for n, mesh in enumerate(meshes)}
 
 
-def groove(radius: float, size: float, side: float, shoulders: tuple[float, float] = (0.24, 0.24)) -> list[tuple[float, float]]:
-    """A raceway for balls: size is their diameter, side -1 that of an inner ring; shoulders in it, from the pitch circle
-    at the low and the high end."""
+def groove(
+    radius: float, size: float, side: float, shoulders: tuple[float, float] = (0.24, 0.24)
+) -> list[tuple[float, float]]:
+    """A raceway for balls: size is their diameter, side -1 that of an inner ring; shoulders in diameters, from the pitch
+    circle at the low and the high end."""
     ends = [math.acos((share + 0.02) / 0.52) for share in shoulders]
     turn = np.linspace(-ends[0], ends[1], 9)
     return [(radius + side * size * (0.52 * math.cos(t) - 0.02), 0.52 * size * math.sin(t)) for t in turn]
@@ -95,7 +99,7 @@ def cage(radius: float, size: float, count: int, half: float) -> Mesh:
 def ball_bearing(
     radius: float, size: float, count: int, *, has_cage: bool = True, seals: int = 0, low: float = 0.24
 ) -> dict[str, Mesh]:
-    """Deep grooves; low: one shoulder of the outer ring is at this share of the balls' diameter from the pitch circle."""
+    """Deep grooves; low: one shoulder of the outer ring, in diameters of the balls from the pitch circle."""
     half, wall = 0.8 * size, 0.9 * size
     inner = [(radius - wall, half), (radius - wall, -half), (radius - 0.24 * size, -half)]
     inner += [*groove(radius, size, -1.0), (radius - 0.24 * size, half)]
@@ -114,7 +118,7 @@ def ball_bearing(
 def roller_bearing(
     radius: float, size: float, length: float, count: int, *, ribs: str, has_cage: bool = True
 ) -> dict[str, Mesh]:
-    """Cylindrical rollers; ribs: "inner", "outer", "both" or "none", the rings with ribs at both ends of the rollers."""
+    """Cylindrical rollers; ribs: the rings that have them at both ends: "inner", "outer", "both" or "none"."""
     half, wall = 0.5 * length + 0.3 * size, 0.8 * size
     end = 0.51 * length
     parts = {}
@@ -141,7 +145,11 @@ def tapered_bearing(radius: float, size: float, count: int, angle: float = 12.0)
             along * math.cos(tilt) + across * math.sin(tilt),
         )
 
-    half, small, large = 0.5 * length, 0.5 * size - 0.5 * length * math.tan(taper), 0.5 * size + 0.5 * length * math.tan(taper)
+    half, small, large = (
+        0.5 * length,
+        0.5 * size - 0.5 * length * math.tan(taper),
+        0.5 * size + 0.5 * length * math.tan(taper),
+    )
     roller = solid([(large, -half), (small, half)])
     end = half + 0.02 * size
     bore, rim = radius - 1.4 * size, radius + 1.4 * size
@@ -184,7 +192,10 @@ def thrust_bearing(radius: float, size: float, count: int) -> dict[str, Mesh]:
         ends = [(radius - 0.7 * size, race[0][1]), *race, (radius + 0.7 * size, race[0][1])]
         parts[name] = lathe([*ends, (radius + 0.7 * size, sign * 0.9 * size), (radius - 0.7 * size, sign * 0.9 * size)])
     parts |= named("ball", around(ball(0.5 * size), radius, count))
-    rings = [ring(radius + low * size, radius + high * size, -0.1 * size, 0.1 * size) for low, high in ((-0.7, -0.55), (0.55, 0.7))]
+    rings = [
+        ring(radius + low * size, radius + high * size, -0.1 * size, 0.1 * size)
+        for low, high in ((-0.7, -0.55), (0.55, 0.7))
+    ]
     bars = around(box((-0.6 * size, -0.05 * size, -0.1 * size), (0.6 * size, 0.05 * size, 0.1 * size)), radius, count)
     parts["cage"] = joined(*rings, *(placed(each, at(degrees=180.0 / count)) for each in bars))
     return parts
@@ -218,5 +229,3 @@ def gear(radius: float, bore: float, low: float, high: float, teeth: int, depth:
     radii = np.where(np.arange(4 * teeth) % 4 < 2, radius + 0.5 * depth, radius - 0.5 * depth)
     outline = np.stack([radii * np.cos(turn), radii * np.sin(turn)], axis=1)
     return plate([outline, circle(bore)] if depth > 0.0 else [circle(bore), outline], low, high)
-
-

@@ -168,7 +168,14 @@ def on_a_shaft() -> dict[str, Mesh]:
     seat, deep = bore - 2e-5, bore - 0.001
     edges = [(seat + 0.003, -0.03), (seat + 0.003, -half - 1e-5), (seat, -half - 1e-5), (seat, half + 1e-5)]
     edges += [(deep, half + 1e-5), (deep, half + 0.0013), (seat, half + 0.0013), (seat, 0.012)]
-    sleeve = [(0.0275, -half - 1e-5), (0.0275, 0.02), (0.032, 0.02), (0.032, -0.04), (0.02, -0.04), (0.02, -half - 1e-5)]
+    sleeve = [
+        (0.0275, -half - 1e-5),
+        (0.0275, 0.02),
+        (0.032, 0.02),
+        (0.032, -0.04),
+        (0.02, -0.04),
+        (0.02, -half - 1e-5),
+    ]
     opened = ring(deep + 1e-4, deep + 0.0035, half + 5e-5, half + 0.0011)
     middle = opened[0][opened[1]].mean(axis=1)
     clip = opened[0], opened[1][np.abs(np.arctan2(middle[:, 1], middle[:, 0])) > 0.3]

@@ -52,7 +52,7 @@ SHARED = 0.2
 circlips beside them are wider."""
 AROUND_DEG = 75.0
 """The widest gap of a cage around the axis."""
-_DIRECTIONS, _MOST_ELEMENTS, _BETWEEN = 48, 12, 4
+_DIRECTIONS, _MOST_ELEMENTS, _PUSHED, _BETWEEN = 48, 12, 3, 4
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ class _Look:
     def _is_held(self, row: Row, part: int) -> bool:
         """Whether a race is stopped by the row both ways along the axis."""
         alone = self.scene.only([part])
-        some = _spread(len(row.parts))
+        some = _spread(len(row.parts), _PUSHED)
         for share in SHRUNK:
             tool = self._narrower(row, some, share)
             if not alone.is_colliding(tool, np.eye(4)):
@@ -305,9 +305,9 @@ class _Look:
         return bool(gaps.max() <= math.radians(AROUND_DEG))
 
 
-def _spread(count: int) -> list[int]:
-    """At most a dozen of some numbers, evenly."""
-    return sorted({n * count // min(count, _MOST_ELEMENTS) for n in range(min(count, _MOST_ELEMENTS))})
+def _spread(count: int, most: int = _MOST_ELEMENTS) -> list[int]:
+    """At most so many of some numbers, evenly."""
+    return sorted({n * count // min(count, most) for n in range(min(count, most))})
 
 
 def _is_facing(turn: npt.NDArray[Any], touched: dict[int, npt.NDArray[np.bool_]], part: int) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -45,7 +45,7 @@ WIDEST_GAP = 2.5
 """A row may have one wider gap, in gaps: elements without a cage leave some room."""
 MERIDIONAL = 0.1
 """The greatest cosine between the axis of a roller and the direction around the row."""
-_NEIGHBOURS, _MOST_FACES, _DIRECTIONS = 8, 500, 16
+_NEIGHBOURS, _MOST_FACES, _DIRECTIONS = 8, 200, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,11 @@ def rows_of(mockup: Mockup, present: Bools) -> Iterator[Row]:
         middles = np.array([_middle(meshes.mesh(part)[0], meshes.mesh(part)[1]) for part in group])
         for chosen, middle, axis, radius in _circles(middles, ON_CIRCLE * first.radius):
             parts = tuple(group[n] for n in chosen)
-            found = [element_of(*meshes.mesh(part)) for part in parts]
+            found: list[Element | None]
+            if first.axis is None:  # equal areas and volumes are enough for balls
+                found = [replace(first, middle=middles[n]) for n in chosen]
+            else:
+                found = [element_of(*meshes.mesh(part)) for part in parts]
             elements = tuple(each for each in found if each is not None)
             row = Row(parts, elements, middle, axis, radius)
             if len(elements) == len(parts) and _is_meridional(row):
@@ -123,9 +127,9 @@ def element_of(vertices: Floats, faces: Ints) -> Element | None:
         return None
     corners, normals = corners[is_face], normals[is_face] / areas[is_face, None]
     middle = _middle(vertices, faces)
-    largest = np.argsort(-areas[is_face], kind="stable")[:_MOST_FACES]
-    planes = normals[largest] * np.sign(np.einsum("ij,ij->i", normals[largest], corners[largest, 0] - middle))[:, None]
-    beyond = (vertices - middle) @ planes.T - np.einsum("ij,ij->i", planes, corners[largest, 0] - middle)
+    some = np.unique(np.linspace(0, len(corners) - 1, _MOST_FACES).astype(np.int64))
+    planes = normals[some] * np.sign(np.einsum("ij,ij->i", normals[some], corners[some, 0] - middle))[:, None]
+    beyond = (vertices - middle) @ planes.T - np.einsum("ij,ij->i", planes, corners[some, 0] - middle)
     if float(beyond.max()) > CONVEX * size:
         return None
     rollers = [each for axis in part_axes(corners) if (each := _roller(vertices - middle, middle, axis)) is not None]
