@@ -80,8 +80,8 @@ def named(name: str, meshes: Sequence[Mesh]) -> dict[str, Mesh]:
 def groove(
     radius: float, size: float, side: float, shoulders: tuple[float, float] = (0.24, 0.24)
 ) -> list[tuple[float, float]]:
-    """A raceway for balls: size is their diameter, side -1 that of an inner ring; shoulders in diameters, from the pitch
-    circle at the low and the high end."""
+    """A raceway for balls: size is their diameter, side -1 that of an inner ring; shoulders at the low and the high
+    end, in diameters from the pitch circle."""
     ends = [math.acos((share + 0.02) / 0.52) for share in shoulders]
     turn = np.linspace(-ends[0], ends[1], 9)
     return [(radius + side * size * (0.52 * math.cos(t) - 0.02), 0.52 * size * math.sin(t)) for t in turn]

@@ -229,7 +229,7 @@ class Actions:
         path = self.question.scene.mockup.part_paths[first]
         if items[0] in self.fixings:
             kind = self.fixings.of(items[0]).hold.kind
-            if kind in ("circlip", "pin"):
+            if kind in ("circlip", "pin", "dowel"):
                 return self.times.by_hand(path, ["clip" if kind == "circlip" else "pin", "aside"])
             return self.times.by_hand(path, ["draw", "aside"])
         return self.times.by_hand(path, ["take", "aside"])

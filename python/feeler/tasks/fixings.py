@@ -22,6 +22,8 @@ Floats = npt.NDArray[np.float64]
 
 _STAY = ("stud", BODY)
 """Kinds that are not undone."""
+_LOOSE = (*_STAY, "dowel")
+"""Kinds that join no parts: what is on a dowel comes off along it, or it is in the way."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
 _BESIDE = 8
@@ -97,7 +99,7 @@ class Fixings:
     def joins(self, part: int) -> tuple[int, ...]:
         """The parts that a fastener joins, without itself."""
         hold = self._held[part]
-        if hold.kind in _STAY or not hold.parts:
+        if hold.kind in _LOOSE or not hold.parts:
             return ()
         ends = [*hold.parts, self._end(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))

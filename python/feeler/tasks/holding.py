@@ -62,7 +62,8 @@ class Hold:
     path: str
     kind: str
     """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
-    table says so. "bearing": no fastener, but the parts of a rolling bearing, which leave as one."""
+    table says so. "dowel": a pin through parts one behind the other, which come off along it. "bearing": no fastener,
+    but the parts of a rolling bearing, which leave as one."""
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
