@@ -10,11 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
+from feeler.tasks.retainers import pin_rod
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
@@ -24,6 +26,10 @@ _STAY = ("stud", BODY)
 """Kinds that are not undone."""
 _LOOSE = (*_STAY, "dowel")
 """Kinds that join no parts: what is on a dowel comes off along it, or it is in the way."""
+RINGS = ("circlip", "cotter")
+"""Kinds that are bent to come out."""
+LOCKS = ("cotter", "pin", "dowel")
+"""Kinds that keep a fastener that they go through from turning."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
 _BESIDE = 8
@@ -75,9 +81,14 @@ class Fixings:
         self._axles = {
             hold.anchor
             for hold in held
-            if hold.kind == "circlip" and hold.anchor in self._held and self._held[hold.anchor].anchor is None
+            if hold.kind in RINGS and hold.anchor in self._held and self._held[hold.anchor].anchor is None
         }
-        """What a circlip alone keeps in its place: it has no thread, so it is drawn by hand."""
+        """What a circlip or a cotter pin alone keeps in its place: it has no thread, so it is drawn by hand."""
+        self._locks: dict[int, list[int]] = {}
+        for hold in held:
+            if hold.kind in LOCKS and scene.part_mask[hold.fastener]:
+                for part in (*hold.parts, *([] if hold.anchor is None else [hold.anchor])):
+                    self._locks.setdefault(part, []).append(hold.fastener)
         self.by_joined: dict[int, list[int]] = {}
         """Fasteners by the parts that they join."""
         for hold in held:
@@ -108,6 +119,10 @@ class Fixings:
         """Other fasteners on its axis, without studs."""
         return tuple(each for each in self._held[part].mates if each in self)
 
+    def locks(self, part: int) -> list[int]:
+        """The pins that go through a fastener: it is not turned before these are out."""
+        return [each for each in self._locks.get(part, []) if each != part]
+
     def is_turned(self, part: int) -> bool:
         """Whether a fastener is turned by a tool."""
         return part in self and part in self._rows and part not in self._axles
@@ -123,6 +138,12 @@ class Fixings:
     def washers(self, part: int) -> list[int]:
         """The washers that leave with a fastener."""
         return self._washers.get(part, [])
+
+    def shank(self, part: int) -> Fastener | None:
+        """The shank that a fastener has, or is."""
+        if part in self._rows or part not in self._held:
+            return self._rows.get(part)
+        return pin_rod(self._held[part].path, part, PartMeshes(self.scene.mockup).mesh(part)[0])
 
     def captive_on(self, part: int) -> int | None:
         """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""

@@ -18,6 +18,7 @@ from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
+from feeler.tasks.cotters import cotters_of
 from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
@@ -62,8 +63,9 @@ class Hold:
     path: str
     kind: str
     """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
-    table says so. "dowel": a pin through parts one behind the other, which come off along it. "bearing": no fastener,
-    but the parts of a rolling bearing, which leave as one."""
+    table says so. "cotter": a cotter pin or the like across a bolt or a pin. "dowel": a pin through parts one behind
+    the other, which come off along it. "bearing": no fastener, but the parts of a rolling bearing, which leave as
+    one."""
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
@@ -152,7 +154,9 @@ def holds(
         progress(0.8, "looking at circlips, pins and bearings")
     bearings = bearings_of(scene, [row.part for row in present])
     taken = {part for each in bearings for part in (each.lead, *each.parts)}
-    by_name = retained(scene, [*(row.part for row in present), *taken])
+    by_name = cotters_of(scene, present, taken)
+    taken |= {each.part for each in by_name}
+    by_name += retained(scene, [*(row.part for row in present), *taken])
     kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
     for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
@@ -236,7 +240,7 @@ class _Holding:
 
     def __init__(self, scene: Scene, rows: list[Fastener], retainers: list[Retained]) -> None:
         self.scene, self.mockup, self.fasteners = scene, scene.mockup, rows
-        circlips = [each for each in retainers if each.kind == "circlip"]
+        circlips = [each for each in retainers if each.kind in ("circlip", "cotter")]
         self.circlip_on = {each.anchor: each.part for each in circlips if each.anchor is not None}
         mask = scene.part_mask.copy()
         mask[[row.part for row in rows]] = False
@@ -286,9 +290,8 @@ class _Holding:
         nuts, is_stud = self.nuts[row.part], _is_stud(row)
         mates = tuple(nut.part for nut in nuts)
         if row.part in self.circlip_on and not nuts:
-            return self._held(
-                row, passed, washers, None, (), f"{self._name(self.circlip_on[row.part])} is in its groove"
-            )
+            said = f"{self._name(self.circlip_on[row.part])} is in its groove or across it"
+            return self._held(row, passed, washers, None, (), said)
         if nuts and not is_stud:
             nut = max(nuts, key=lambda each: self._middle(row, each))
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first

@@ -76,7 +76,7 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     fittings = [part for part in some if said[part] == "fitting"]
     bare = _without(scene, [*taken, *circlips, *pins])
     rows += _fittings(_without(scene, [*taken, *circlips, *pins, *fittings]), fittings, meshes)
-    rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
+    rods = [pin_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
         parts = tuple(dict.fromkeys(each.part for each in passed))
         # Parts that follow on each other come off along it; a fork does not, nor what is between its legs.
@@ -143,7 +143,7 @@ def _axes(vertices: Floats) -> tuple[Floats, Floats]:
     return middle, np.linalg.eigh(np.cov((vertices - vertices.mean(axis=0)).T))[1]
 
 
-def _rod(path: str, part: int, vertices: Floats) -> Fastener:
+def pin_rod(path: str, part: int, vertices: Floats) -> Fastener:
     """A pin, as the shank that it is."""
     middle, axes = _axes(vertices)
     axis = axes[:, 2]
