@@ -191,7 +191,7 @@ def test_pins_and_circlips() -> None:
     found = feeler.holds(tilted(parts, 9))
     ring_row, pin = only(found, "circlip"), only(found, "dowel_pin")
     assert ring_row.paths == ("gear",) and ring_row.anchor_path == "shaft" and ring_row.kind == "circlip"
-    assert sorted(pin.paths) == ["arm", "post"] and pin.kind == "pin"
+    assert sorted(pin.paths) == ["arm", "post"] and pin.kind == "dowel"
 
 
 def test_a_table_knows_better() -> None:

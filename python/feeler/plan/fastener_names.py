@@ -36,7 +36,9 @@ RETAINERS = {
     "circlip": "circlip circlips snapring snaprings retainingring retainingrings seeger seegerring sicherungsring "
     "sprengring eclip eclips",
     "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift zylinderstift passstift "
-    "spannstift kegelstift kerbstift splint",
+    "spannstift kegelstift kerbstift splint splinte sicherungssplint federsplint federstecker klappstecker spannhuelse "
+    "spannhulse springpin springpins taperpin hairpin hairpins hairpinclip hairpinclips rclip rclips betaclip "
+    "hitchpin linchpin lynchpin clevispin copiglia",
     "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer "
     "banjo banjos banjoeye banjofitting banjounion ringstutzen ringauge",
     "fitting": "adapter adapters adaptor adaptors fitting fittings connector connectors union unions nipple nipples "

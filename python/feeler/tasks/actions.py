@@ -269,7 +269,7 @@ class Actions:
         path = self.question.scene.mockup.part_paths[first]
         if items[0] in self.fixings:
             kind = self.fixings.of(items[0]).hold.kind
-            if kind in ("circlip", "pin"):
+            if kind in ("circlip", "pin", "dowel", "cotter"):
                 return self.times.by_hand(path, ["clip" if kind == "circlip" else "pin", "aside"])
             return self.times.by_hand(path, ["draw", "aside"])
         return self.times.by_hand(path, ["take", "aside"])
@@ -336,6 +336,7 @@ class Actions:
         if kept:
             self.met[fixing.part] = frozenset(deep)
             return ()
+        hits = [*hits, *self.fixings.locks(fixing.part)]
         kept = [part for part in hits if not self._nodes([part])]
         if kept:
             self.met[fixing.part] = frozenset(kept[:1])

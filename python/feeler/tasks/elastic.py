@@ -1,7 +1,9 @@
-"""The ways of circlips, snap rings and E-clips in a task: opened out of their groove, and out from beside it."""
+"""The ways of circlips, snap rings, E-clips and cotter pins in a task: opened out of their groove, or drawn out of
+their hole with straight legs, and out from beside it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +13,8 @@ from feeler.mockup import Tool
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, MOST_BLOCKERS, BlockingGraph, Mover
 from feeler.plan.sequence import Exit, undominated
 from feeler.scene import Scene
-from feeler.tasks.fixings import Fixings
+from feeler.tasks.cotters import Drawing, drawings
+from feeler.tasks.fixings import RINGS, Fixings
 from feeler.tasks.rings import Ring, Slip, Slipping, ring_of, slippings
 
 Floats = npt.NDArray[np.float64]
@@ -40,16 +43,18 @@ class Rings:
             return False
         hold = self.fixings.of(item).hold
         is_there = hold.anchor is not None and self.graph.question.scene.part_mask[hold.anchor]
-        return hold.kind == "circlip" and bool(is_there)
+        return hold.kind in RINGS and bool(is_there)
 
     def ways(self, item: int) -> tuple[RingWay, ...]:
         """How a ring leaves its groove, but for ways that a kept part or the part with the groove is in."""
         if item not in self._known:
             found = []
-            ring, anchor = ring_of(*self.graph.meshes.mesh(item)), self.fixings.of(item).hold.anchor
+            anchor = self.fixings.of(item).hold.anchor
             assert anchor is not None
-            alone = self.graph.question.scene.only([anchor])
-            for number, slipping in enumerate(slippings(ring, alone) if ring is not None else ()):
+            is_cotter = self.fixings.of(item).hold.kind == "cotter"
+            ring = None if is_cotter else ring_of(*self.graph.meshes.mesh(item))
+            each = self._drawings(item, anchor) if is_cotter else self._slippings(ring, anchor)
+            for number, slipping in enumerate(each):
                 self.graph.clock.look()
                 mover = self._mover(item, anchor, slipping)
                 first = self._opened(ring, slipping, mover.rest, mover.passed)
@@ -58,6 +63,21 @@ class Rings:
                     found.append(RingWay(Slip(item, number), slipping, self._items(first | along)))
             self._known[item] = tuple(found)
         return self._known[item]
+
+    def _slippings(self, ring: Ring | None, anchor: int) -> Iterator[Slipping]:
+        return slippings(ring, self.graph.question.scene.only([anchor])) if ring is not None else iter(())
+
+    def _drawings(self, item: int, anchor: int) -> Iterator[Slipping]:
+        """How a cotter pin is drawn out of a shank and the nut on it."""
+        row = self.fixings.shank(anchor)
+        if row is None:
+            return iter(())
+        reach = 0.5 * row.size
+        for part in self.fixings.of(item).hold.parts:
+            if self.fixings.is_turned(part):
+                local = (self.graph.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+                reach = max(reach, float(np.hypot(local[:, 0], local[:, 1]).max()))
+        return drawings(*self.graph.meshes.mesh(item), row, reach)
 
     def way(self, slip: Slip) -> RingWay:
         """The way of a name."""
@@ -76,6 +96,9 @@ class Rings:
 
     def _mover(self, item: int, anchor: int, slipping: Slipping) -> Mover:
         passed = frozenset([anchor]) if slipping.is_sideways else frozenset[int]()
+        if isinstance(slipping, Drawing):  # what it goes through leaves it room
+            hold = self.fixings.of(item).hold
+            passed = frozenset([anchor, *(part for part in hold.parts if self.fixings.is_turned(part))])
         return Mover(self.graph, item, passed, slipping.tool)
 
     def _items(self, parts: frozenset[int]) -> frozenset[int]:

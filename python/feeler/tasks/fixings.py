@@ -10,16 +10,26 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
+from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.digests import facts_of
-from feeler.tasks.holding import Hold, Holds
+from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
+from feeler.tasks.retainers import pin_rod
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
 Floats = npt.NDArray[np.float64]
 
+_STAY = ("stud", BODY)
+"""Kinds that are not undone."""
+_LOOSE = (*_STAY, "dowel")
+"""Kinds that join no parts: what is on a dowel comes off along it, or it is in the way."""
+RINGS = ("circlip", "cotter")
+"""Kinds that are bent to come out."""
+LOCKS = ("cotter", "pin", "dowel")
+"""Kinds that keep a fastener that they go through from turning."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
 _BESIDE = 8
@@ -63,12 +73,23 @@ class Fixings:
             hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
         }
         """Studs, and the part that each is fastened in."""
+        self.bodies: list[tuple[int, ...]] = []
+        """Parts that leave as one, such as those of a rolling bearing; the one that it is known by is the first."""
+        for hold in held:
+            body = tuple(part for part in (hold.fastener, *hold.parts) if scene.part_mask[part])
+            if hold.kind == BODY and len(body) > 1:
+                self.bodies.append(body)
         self._axles = {
             hold.anchor
             for hold in held
-            if hold.kind == "circlip" and hold.anchor in self._held and self._held[hold.anchor].anchor is None
+            if hold.kind in RINGS and hold.anchor in self._held and self._held[hold.anchor].anchor is None
         }
-        """What a circlip alone keeps in its place: it has no thread, so it is drawn by hand."""
+        """What a circlip or a cotter pin alone keeps in its place: it has no thread, so it is drawn by hand."""
+        self._locks: dict[int, list[int]] = {}
+        for hold in held:
+            if hold.kind in LOCKS and scene.part_mask[hold.fastener]:
+                for part in (*hold.parts, *([] if hold.anchor is None else [hold.anchor])):
+                    self._locks.setdefault(part, []).append(hold.fastener)
         self.by_joined: dict[int, list[int]] = {}
         """Fasteners by the parts that they join."""
         for hold in held:
@@ -76,10 +97,10 @@ class Fixings:
                 self.by_joined.setdefault(part, []).append(hold.fastener)
 
     def __contains__(self, part: object) -> bool:
-        return part in self._held and self._held[part].kind != "stud"
+        return part in self._held and self._held[part].kind not in _STAY
 
     def __iter__(self) -> Iterator[int]:
-        return iter(part for part, hold in self._held.items() if hold.kind != "stud")
+        return iter(part for part, hold in self._held.items() if hold.kind not in _STAY)
 
     def of(self, part: int) -> Fixing:
         """The fastener of a part."""
@@ -90,7 +111,7 @@ class Fixings:
     def joins(self, part: int) -> tuple[int, ...]:
         """The parts that a fastener joins, without itself."""
         hold = self._held[part]
-        if hold.kind == "stud" or not hold.parts:
+        if hold.kind in _LOOSE or not hold.parts:
             return ()
         ends = [*hold.parts, self._end(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))
@@ -98,6 +119,10 @@ class Fixings:
     def axis_mates(self, part: int) -> tuple[int, ...]:
         """Other fasteners on its axis, without studs."""
         return tuple(each for each in self._held[part].mates if each in self)
+
+    def locks(self, part: int) -> list[int]:
+        """The pins that go through a fastener: it is not turned before these are out."""
+        return [each for each in self._locks.get(part, []) if each != part]
 
     def is_turned(self, part: int) -> bool:
         """Whether a fastener is turned by a tool."""
@@ -114,6 +139,12 @@ class Fixings:
     def washers(self, part: int) -> list[int]:
         """The washers that leave with a fastener."""
         return self._washers.get(part, [])
+
+    def shank(self, part: int) -> Fastener | None:
+        """The shank that a fastener has, or is."""
+        if part in self._rows or part not in self._held:
+            return self._rows.get(part)
+        return pin_rod(self._held[part].path, part, PartMeshes(self.scene.mockup).mesh(part)[0])
 
     def captive_on(self, part: int) -> int | None:
         """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""

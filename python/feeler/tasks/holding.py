@@ -17,6 +17,8 @@ from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.tasks.bearings import bearings_of
+from feeler.tasks.cotters import cotters_of
 from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
@@ -24,6 +26,8 @@ from feeler.tasks.threaded_bodies import threaded_bodies
 
 Floats = npt.NDArray[np.float64]
 
+BODY = "bearing"
+"""The kind of parts that leave as one."""
 TIGHT = 1.014
 """Radius of a hole over that of the shank: threads and fits are tighter, clearance holes wider."""
 CORE = 0.93
@@ -60,7 +64,9 @@ class Hold:
     path: str
     kind: str
     """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
-    table says so."""
+    table says so. "cotter": a cotter pin or the like across a bolt or a pin. "dowel": a pin through parts one behind
+    the other, which come off along it. "bearing": no fastener, but the parts of a rolling bearing, which leave as
+    one."""
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
@@ -148,16 +154,23 @@ def holds(
     bodies = threaded_bodies(scene, present)
     present = [row for row in present if row.part not in bodies]
     if progress is not None:
-        progress(0.8, "looking at circlips and pins")
-    by_name = retained(scene, [row.part for row in present])
+        progress(0.8, "looking at circlips, pins and bearings")
+    bearings = bearings_of(scene, [row.part for row in present])
+    taken = {part for each in bearings for part in (each.lead, *each.parts)}
+    by_name = cotters_of(scene, present, taken)
+    taken |= {each.part for each in by_name}
+    by_name += retained(scene, [*(row.part for row in present), *taken])
     kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
     for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     held = {part for row in kept.values() for part in row.parts}
-    for each in clips(scene, held, set(kept)):
+    for each in clips(scene, held | taken, set(kept)):
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for row in [each for each in kept.values() if each.kind == "fitting"]:
         kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
+    for whole in bearings:
+        others = tuple(part for part in whole.parts if part not in given)
+        kept[whole.lead] = _row(scene.mockup, whole.lead, BODY, others, (), None, (), whole.because)
     for part, parts in given.items():
         was = kept.get(part)
         said = "the table says so"
@@ -230,7 +243,7 @@ class _Holding:
 
     def __init__(self, scene: Scene, rows: list[Fastener], retainers: list[Retained]) -> None:
         self.scene, self.mockup, self.fasteners = scene, scene.mockup, rows
-        circlips = [each for each in retainers if each.kind == "circlip"]
+        circlips = [each for each in retainers if each.kind in ("circlip", "cotter")]
         self.circlip_on = {each.anchor: each.part for each in circlips if each.anchor is not None}
         mask = scene.part_mask.copy()
         mask[[row.part for row in rows]] = False
@@ -280,9 +293,8 @@ class _Holding:
         nuts, is_stud = self.nuts[row.part], _is_stud(row)
         mates = tuple(nut.part for nut in nuts)
         if row.part in self.circlip_on and not nuts:
-            return self._held(
-                row, passed, washers, None, (), f"{self._name(self.circlip_on[row.part])} is in its groove"
-            )
+            said = f"{self._name(self.circlip_on[row.part])} is in its groove or across it"
+            return self._held(row, passed, washers, None, (), said)
         if nuts and not is_stud:
             nut = max(nuts, key=lambda each: self._middle(row, each))
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first

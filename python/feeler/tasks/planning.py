@@ -205,12 +205,16 @@ def _question(
     """What leaves with what. Wanted fasteners are undone, unless they join wanted parts to each other; studs in other
     parts stay there."""
     under = {washer: part for part in fixings if scene.part_mask[part] for washer in fixings.washers(part)}
+    bodies = [body for body in fixings.bodies if not (set(body) & kept and set(body) & set(wanted))]
+    under |= {part: body[0] for body in bodies for part in body[1:]}
+    kept = kept.union(*(body for body in bodies if set(body) & kept))
     wanted = tuple(dict.fromkeys(under.get(part, part) for part in wanted))  # washers come off with what clamps them
     own = {part for part in wanted if part not in fixings and fixings.studs.get(part, part) in (part, *wanted)}
-    inner = {part for part in fixings if set(fixings.joins(part)) <= own and fixings.joins(part)}
+    whole = own.union(*(body for body in bodies if body[0] in own))
+    inner = {part for part in fixings if set(fixings.joins(part)) <= whole and fixings.joins(part)}
     undone = tuple(part for part in wanted if part in fixings and part not in inner)
-    riders: dict[int, list[int]] = {}
-    lead: dict[int, int] = {}
+    riders: dict[int, list[int]] = {body[0]: list(body[1:]) for body in bodies}
+    lead: dict[int, int] = {part: body[0] for body in bodies for part in body[1:]}
     for part in fixings:
         if not scene.part_mask[part]:
             continue
@@ -231,6 +235,7 @@ def _question(
     options = {"ignore": [], "overlap": 0.0, "seats": True, "clearance": 0.0, "seed": seed, "threads": threads}
     grip = {"tool": None, "start": None, "directions": None}
     all_riders = {part: _all_riders(part, riders) for part in riders}
+    lead = {part: lead.get(leader, leader) for part, leader in lead.items()}
     wanted_own = tuple(sorted(own - set(undone)))
     return Together(scene, wanted_own, kept, grip, options, all_riders, lead, undone)
 

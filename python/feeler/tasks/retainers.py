@@ -76,11 +76,15 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     fittings = [part for part in some if said[part] == "fitting"]
     bare = _without(scene, [*taken, *circlips, *pins])
     rows += _fittings(_without(scene, [*taken, *circlips, *pins, *fittings]), fittings, meshes)
-    rods = [_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
+    rods = [pin_rod(mockup.part_paths[part], part, meshes.mesh(part)[0]) for part in pins]
     for rod, passed in zip(rods, passed_by(bare, rods), strict=True):
         parts = tuple(dict.fromkeys(each.part for each in passed))
-        how = "it is in no part" if not parts else "it goes through them"
-        rows.append(Retained(rod.part, "pin", parts, None, f"{how}; its name says pin"))
+        # Parts that follow on each other come off along it; a fork does not, nor what is between its legs.
+        is_dowel = 1 < len(parts) == len(passed) and all(each.radius > 0.0 for each in passed)
+        how = (
+            "it is in no part" if not parts else "it goes through them" + (", one behind the other" if is_dowel else "")
+        )
+        rows.append(Retained(rod.part, "dowel" if is_dowel else "pin", parts, None, f"{how}; its name says pin"))
     return rows
 
 
@@ -139,7 +143,7 @@ def _axes(vertices: Floats) -> tuple[Floats, Floats]:
     return middle, np.linalg.eigh(np.cov((vertices - vertices.mean(axis=0)).T))[1]
 
 
-def _rod(path: str, part: int, vertices: Floats) -> Fastener:
+def pin_rod(path: str, part: int, vertices: Floats) -> Fastener:
     """A pin, as the shank that it is."""
     middle, axes = _axes(vertices)
     axis = axes[:, 2]

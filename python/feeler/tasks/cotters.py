@@ -1,0 +1,223 @@
+"""Cotter pins, hairpins and the like: thin parts in a hole across a bolt or a pin, by shape.
+
+Such a part keeps a nut, or what is on a pin, from coming off. Its legs are bent and its eye is wider than the hole, so
+it has no rigid way: its legs are straightened, or cut, and it is drawn by its head.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.mockup import Tool
+from feeler.part_meshes import PartMeshes
+from feeler.plan.fastener_names import retainer_said
+from feeler.plan.fasteners import Fastener
+from feeler.scene import Scene
+from feeler.tasks.passing import passed_by
+from feeler.tasks.retainers import Retained, pin_rod
+from feeler.tasks.rings import Slipping
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+INSIDE = 0.9
+"""What is this near to the axis of a shank, in its radii, is in it."""
+THIN = 0.6
+"""The greatest radius of a cotter pin, in radii of the shank: holes across bolts are narrow."""
+SLENDER = 0.3
+"""The greatest spread of it in the shank across its axis, over that along it."""
+ACROSS = 0.2
+"""The greatest cosine between its axis and that of the shank."""
+OUT = 0.8
+"""It reaches at least so far to both sides, in radii of the shank."""
+LONGEST = 10.0
+"""Its size, in diameters of the shank, at most."""
+EYE = 1.3
+"""What is farther from its axis, in its radii, is a bent leg or its head."""
+ON_AXIS = 0.3
+"""How far from the axis of a shank its nut may be, in its diameters."""
+PLAY_M = 1e-4
+"""It is drawn so much farther than out of what it is in."""
+MOST_TRIANGLES = 20_000
+_PIECES = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Shank:
+    """The straight part of a cotter pin, in the hole across a bolt or pin."""
+
+    point: Floats
+    axis: Floats
+    radius: float
+
+    def heights(self, points: Floats) -> Floats:
+        """Along its axis, (n,)."""
+        return np.asarray((points - self.point) @ self.axis)
+
+    def radii(self, points: Floats) -> Floats:
+        """Distances from its axis, (n,)."""
+        local = points - self.point
+        return np.asarray(np.linalg.norm(local - (local @ self.axis)[:, None] * self.axis, axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing(Slipping):
+    """A cotter pin that is drawn by its head until it is out of its hole."""
+
+    def __str__(self) -> str:
+        return f"its legs are straightened or cut; it is drawn along its axis by {1e3 * self.travel:.3g} mm"
+
+
+def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[Retained]:
+    """The cotter pins of a scene, and what each keeps on the bolt or pin that it goes through.
+
+    rows: its fasteners; taken: parts that are known as something else.
+    """
+    look = _Look(scene, rows, taken)
+    shanks = [*(row for row in rows if row.kind != "nut"), *look.pins()]
+    found: dict[int, tuple[Fastener, Shank]] = {}
+    for row in shanks:
+        for part, shank in look.through(row):
+            found.setdefault(part, (row, shank))
+    # A pin that another one goes through goes through nothing itself.
+    found = {part: each for part, each in found.items() if each[0].part not in found}
+    return look.rows(found)
+
+
+class _Look:
+    """Looks at the shanks of a scene."""
+
+    def __init__(self, scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> None:
+        self.scene, self.meshes = scene, PartMeshes(scene.mockup)
+        self.bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
+        self.nuts = [row for row in rows if row.kind == "nut"]
+        self.fasteners = {row.part for row in rows}
+        self.is_free = scene.part_mask & (scene.mockup.part_triangles <= MOST_TRIANGLES)
+        self.is_free[sorted(self.fasteners | taken)] = False
+        self.sizes = np.linalg.norm(self.bounds[:, 1] - self.bounds[:, 0], axis=1)
+
+    def pins(self) -> Iterator[Fastener]:
+        """The parts that are pins by their names."""
+        mockup = self.scene.mockup
+        for part in np.flatnonzero(self.is_free).tolist():
+            if retainer_said(mockup.part_names[part]) == "pin" and mockup.part_triangles[part] >= 8:
+                yield pin_rod(mockup.part_paths[part], part, self.meshes.mesh(part)[0])
+
+    def through(self, row: Fastener) -> Iterator[tuple[int, Shank]]:
+        """The parts in a hole across a shank."""
+        if not (np.isfinite(row.size) and np.isfinite(row.length) and row.size > 0.0):
+            return
+        foot = row.frame[:3, 3] - (row.length + _head(row)) * row.axis
+        low, high = np.minimum(row.frame[:3, 3], foot), np.maximum(row.frame[:3, 3], foot)
+        near = self.is_free & (self.sizes <= LONGEST * row.size) & (self.sizes >= row.size)
+        near &= (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
+        for part in np.flatnonzero(near).tolist():
+            if part != row.part and (shank := shank_of(*self.meshes.mesh(part), row)) is not None:
+                yield part, shank
+
+    def rows(self, found: dict[int, tuple[Fastener, Shank]]) -> list[Retained]:
+        """What cotter pins keep on what they go through."""
+        bare = self.scene.without(sorted(self.fasteners | found.keys() | {row.part for row, _ in found.values()}))
+        shanks = [row for row, _ in found.values()]
+        rows = []
+        for (part, (row, shank)), passed in zip(found.items(), passed_by(bare, shanks), strict=True):
+            height = float((shank.point - row.frame[:3, 3]) @ row.axis)
+            is_up = bool(np.isfinite(row.head_height) or 2.0 * height < -row.length)
+            on = [(each.part, each.top, each.bottom) for each in passed] + list(self._nuts_on(row))
+            if not is_up:
+                on = [(name, -bottom, -top) for name, top, bottom in on]
+                height = -height
+            beyond = [(max(bottom - height, 0.0), name) for name, top, bottom in on if top >= height]
+            kept = () if not beyond else (min(beyond)[1],)
+            path = self.scene.mockup.part_paths[row.part]
+            rows.append(Retained(part, "cotter", kept, row.part, f"it is in a hole across {path!r}"))
+        return rows
+
+    def _nuts_on(self, row: Fastener) -> Iterator[tuple[int, float, float]]:
+        """The nuts on a shank, and where each begins and ends along it."""
+        for nut in self.nuts:
+            ends = np.stack([nut.frame[:3, 3], nut.frame[:3, 3] - nut.length * nut.axis]) - row.frame[:3, 3]
+            local = ends @ row.frame[:3, :3]
+            if float(np.hypot(local[:, 0], local[:, 1]).max()) <= ON_AXIS * row.size:
+                yield nut.part, float(local[:, 2].max()), float(local[:, 2].min())
+
+
+def shank_of(vertices: Floats, faces: Ints, row: Fastener) -> Shank | None:
+    """The straight part of a mesh in a hole across the shank of a fastener; None if it goes through none."""
+    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    begin, end = ((vertices[edges[:, k]] - row.frame[:3, 3]) @ row.frame[:3, :3] for k in (0, 1))
+    radius, step = 0.5 * row.size, end - begin
+    length = np.einsum("ij,ij->i", step[:, :2], step[:, :2])
+    share = -np.einsum("ij,ij->i", begin[:, :2], step[:, :2]) / np.where(length > 0.0, length, 1.0)
+    nearest = begin + np.clip(share, 0.0, 1.0)[:, None] * step
+    is_near = np.hypot(nearest[:, 0], nearest[:, 1]) <= INSIDE * radius
+    pieces = np.linspace(0.0, 1.0, _PIECES)[:, None, None]
+    points = (begin[is_near] + pieces * step[is_near]).reshape(-1, 3)
+    is_in = (np.hypot(points[:, 0], points[:, 1]) <= INSIDE * radius) & (points[:, 2] <= 0.0)
+    points = points[is_in & (points[:, 2] >= -row.length - _head(row))]
+    if len(points) < 4:
+        return None
+    middle = points.mean(axis=0)
+    spread, axes = np.linalg.eigh(np.cov((points - middle).T))
+    if spread[1] > SLENDER**2 * spread[2] or abs(float(axes[2, 2])) > ACROSS:
+        return None
+    rough = Shank(row.frame[:3, :3] @ middle + row.frame[:3, 3], row.frame[:3, :3] @ axes[:, 2], 0.0)
+    wide = float(rough.radii(points @ row.frame[:3, :3].T + row.frame[:3, 3]).max())
+    heights = rough.heights(vertices)
+    if wide > THIN * radius or heights.max() < OUT * radius or heights.min() > -OUT * radius:
+        return None
+    return Shank(rough.point, rough.axis, wide)
+
+
+def drawings(vertices: Floats, faces: Ints, row: Fastener, reach: float) -> Iterator[Drawing]:
+    """How a cotter pin comes out of the shank of a fastener: by its head. reach: how far what it is in reaches from the
+    axis of the shank, metres."""
+    shank = shank_of(vertices, faces, row)
+    if shank is None:
+        return
+    for sign in _heads(vertices, faces, shank):
+        heights, radii = sign * shank.heights(vertices), shank.radii(vertices)
+        is_leg = (heights < 0.0) & (radii > shank.radius)
+        local = vertices - shank.point
+        along = (local @ shank.axis)[:, None] * shank.axis
+        share = np.where(is_leg, shank.radius / np.where(radii > 0.0, radii, 1.0), 1.0)[:, None]
+        tool = Tool(shank.point + along + share * (local - along), faces.astype(np.uint32), name="cotter pin")
+        way = (sign * shank.axis + 0.0).tolist()
+        yield Drawing((way[0], way[1], way[2]), reach - float(heights.min()) + PLAY_M, 0.0, tool, False)
+
+
+def _heads(vertices: Floats, faces: Ints, shank: Shank) -> list[float]:
+    """On which side its head is: where it is in one piece, if its legs on the other side are two; else where it is
+    wider; both if it is a plain pin."""
+    heights, radii = shank.heights(vertices), shank.radii(vertices)
+    count = {sign: _pieces(faces, sign * heights > 2.0 * shank.radius) for sign in (1.0, -1.0)}
+    if 0 < count[1.0] < count[-1.0] or 0 < count[-1.0] < count[1.0]:
+        return [1.0 if count[1.0] < count[-1.0] else -1.0]
+    wide = {sign: float(radii[sign * heights > 0.0].max(initial=0.0)) for sign in (1.0, -1.0)}
+    if max(wide.values()) <= EYE * shank.radius:
+        return [1.0, -1.0]
+    return [1.0 if wide[1.0] >= wide[-1.0] else -1.0]
+
+
+def _pieces(faces: Ints, chosen: npt.NDArray[np.bool_]) -> int:
+    """Of how many pieces the triangles with all corners chosen are."""
+    own = faces[chosen[faces].all(axis=1)]
+    if not len(own):
+        return 0
+    label = np.arange(len(chosen))
+    while True:
+        least = label[own].min(axis=1)
+        new = label.copy()
+        for k in range(3):
+            np.minimum.at(new, own[:, k], least)
+        if (new == label).all():
+            return len(np.unique(label[own]))
+        label = new
+
+
+def _head(row: Fastener) -> float:
+    return float(row.head_height) if np.isfinite(row.head_height) else 0.0
