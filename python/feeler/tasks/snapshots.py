@@ -230,7 +230,7 @@ def scene_digest(scene: Scene) -> str:
     digest = hashlib.blake2b(json.dumps([mockup.part_paths, mockup.part_names]).encode(), digest_size=16)
     for array in (mockup.vertices, mockup.faces, mockup.part_of_face, scene.part_mask):
         digest.update(f"{array.dtype.str} {array.shape}".encode())
-        digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+        digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
     return digest.hexdigest()
 
 
