@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 from typing import Any, cast
 
@@ -51,8 +51,6 @@ DEEPER_M, DEEPER_SHARE = 1e-5, 0.07
 DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2.0, 3.0)
 """Where that depth is measured, in sizes of the moving part. `removal` later finds a step that goes too deep
 between."""
-DEPTHS_AT_ONCE = 4
-"""Parts whose depth is measured between two looks at the clock: each may take a second."""
 SAME_COSINE = 1.0 - 1e-8
 """Directions closer than this are one: 0.1 mrad."""
 SAME_LABEL = 1e-6
@@ -326,19 +324,38 @@ class Mover:
         self._facts = [graph.overlap, [PartNumber(part) for part in sorted(self.passed)]]
         lines = [each.tolist() for each in (*self._given, *graph.axes)]
         self._corners = box_of_parts(self.question.scene)
-        box = [each.tolist() for each in self._corners]
-        rows, *sets = self._recalled("directions", [lines, box], self._looked)
-        self.opposing = {tuple(direction): set(parts) for direction, parts in rows}
+        self._at_start: dict[int, float] = {}
+        rows, *sets = self._recalled("directions", [lines], self._looked)
+        self.opposing = self._ordered({tuple(direction): set(parts) for direction, parts in rows})
         """The directions to try, in their order, and the touching parts against each; none of another shape."""
         self.seats, self.flush, self.doubtful = sets[0], set(sets[1]), set(sets[2])
 
     def _recalled(
         self, kind: str, more: list[Any], ask: Callable[[], Any], is_enough: Callable[[Any], bool] = lambda _: True
     ) -> Any:
+        """A question about it, among parts that it may touch."""
+        return self._remembered(kind, [*more, *self._facts], ask, is_enough)
+
+    def _remembered(
+        self, kind: str, facts: list[Any], ask: Callable[[], Any], is_enough: Callable[[Any], bool] = lambda _: True
+    ) -> Any:
         """A question about it. With a gripping tool, or of another shape, none is remembered."""
-        if self._shape is not None or (self.node == TARGET and self.question.grip["tool"] is not None):
+        if not self._is_plain:
             return ask()
-        return self.question.scene._recalled(kind, self.parts, [*more, *self._facts], ask, is_enough)
+        return self.question.scene._recalled(kind, self.parts, facts, ask, is_enough)
+
+    @property
+    def _is_plain(self) -> bool:
+        """Whether its shape is that of its parts."""
+        return self._shape is None and not (self.node == TARGET and self.question.grip["tool"] is not None)
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """`(2, 3)`: its box."""
+        if not self._is_plain:
+            return np.array(self.tool.bounds)
+        boxes = self.question.scene.mockup.part_bounds.reshape(-1, 2, 3)[list(self.parts)]
+        return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
     @cached_property
     def tool(self) -> Tool:
@@ -353,7 +370,7 @@ class Mover:
     @cached_property
     def size(self) -> float:
         """The diagonal of their box, metres."""
-        return float(np.linalg.norm(self.tool.bounds[1] - self.tool.bounds[0]))
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
     def _looked(self) -> list[Any]:
         """The directions with the parts against each, and the parts that it touches or intersects at the start."""
@@ -371,9 +388,8 @@ class Mover:
 
     def _directions(self) -> tuple[list[Direction], set[int]]:
         """The given directions; then the axes of the scene, of fasteners and of its own faces, contact normals, and the
-        directions along two contacts, both ways: those opposed by the fewest touching parts first, of these the ways
-        that are the shortest out. An assembly in another pose has the same ones, turned. And flush parts that may not
-        hold it."""
+        directions along two contacts, both ways. An assembly in another pose has the same ones, turned. And flush parts
+        that may not hold it."""
         normals: list[Floats] = []
         for normal in self.contacts.normals:
             if all(abs(float(normal @ other)) < SAME_COSINE for other in normals):
@@ -403,9 +419,17 @@ class Mover:
         )
         for direction in chosen:
             rounding &= self._opposed(direction)
+        return chosen, rounding
+
+    def _ordered(self, opposing: dict[Direction, set[int]]) -> dict[Direction, set[int]]:
+        """Directions with the touching parts against each: those with the fewest first, of these the ways that are the
+        shortest out."""
+        if not opposing:
+            return {}
         # To a micrometre: in another pose ways that are as long differ by rounding.
-        order = sorted(chosen, key=lambda each: (len(self._opposed(each)), round(self._way_out(each), 6)))
-        return order, rounding
+        ways = np.round(_out_of(*self._corners, self.bounds, np.array(list(opposing))), 6).tolist()
+        far = dict(zip(opposing, ways, strict=True))
+        return {each: opposing[each] for each in sorted(opposing, key=lambda each: (len(opposing[each]), far[each]))}
 
     def _own_axes(self) -> list[Floats]:
         """The axes of its own faces. A round part has one; it also has lines to what stands around it, such as the
@@ -504,56 +528,56 @@ class Mover:
         return [first, hits, False]
 
     def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
-        """The parts that it enters deeper along a direction than at the start, by samples."""
-        left = sorted(parts)
-        found: set[int] = set()
-        way = self._far(direction)
-        at_start = self._depths(left, np.eye(4)) if left else {}
-        for share in DEPTH_SHARES:
-            if not left or share * self.size > way or not self.graph.clock.goes_on():
-                break
-            depths = self._depths(left, self._moved(direction, share * self.size))
-            limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * at_start.get(part, 0.0) for part in left}
-            found |= {part for part in left if depths.get(part, 0.0) > max(limits[part], self.graph.overlap)}
-            left = [part for part in left if part not in found]
-        return found
+        """The parts that it enters deeper along a direction than at the start, by samples; not all of them if the time
+        is up."""
+        return {part for part in sorted(parts) if self._is_deeper(direction, part)}
 
-    def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
-        """The depth in each part that it is in; where time is up, in the first of them."""
-        found: dict[int, float] = {}
-        for start in range(0, len(parts), DEPTHS_AT_ONCE):
-            if start and not self.graph.clock.goes_on():
+    def _is_deeper(self, direction: Direction, part: int) -> bool:
+        facts = [PartNumber(part), list(direction), self._far(direction), self.graph.overlap]
+        ask = partial(self._sampled, direction, part)
+        return bool(self._remembered("deeper", facts, ask, lambda told: told is not None))
+
+    def _sampled(self, direction: Direction, part: int) -> bool | None:
+        """Whether it enters a part deeper; `None` if the time is up."""
+        goes_on, way = self.graph.clock.goes_on, self._far(direction)
+        if part not in self._at_start:
+            self._at_start[part] = self._depth(part, np.eye(4))
+        limit = max(DEEPER_M + (1.0 + DEEPER_SHARE) * self._at_start[part], self.graph.overlap)
+        for share in DEPTH_SHARES:
+            if share * self.size > way:
                 break
-            self.graph.clock.look()
-            depths = self.rest.only(parts[start : start + DEPTHS_AT_ONCE]).depth(self.tool, pose)
-            for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
-                found[part] = max(depth, found.get(part, 0.0))
-        return found
+            if not goes_on():
+                return None
+            if self._depth(part, self._moved(direction, share * self.size)) > limit:
+                return True
+        return False
+
+    def _depth(self, part: int, pose: Floats) -> float:
+        """How deep it is in a part."""
+        self.graph.clock.look()
+        return float(self.rest.only([part]).depth(self.tool, pose).depths.max(initial=0.0))
 
     def _moved(self, direction: Direction, by: float) -> Floats:
         pose = np.eye(4)
         pose[:3, 3] = by * np.array(direction)
         return pose
 
-    def _way_out(self, direction: Direction) -> float:
-        return way_out(self.question.scene, self.tool, direction)
-
     def _far(self, direction: Direction) -> float:
         """How far it is cast: beyond all parts."""
-        return _out_of(*room_of(*self._corners), self.tool, direction)
+        return float(_out_of(*room_of(*self._corners), self.bounds, np.array(direction)))
 
 
 def way_out(scene: Scene, tool: Tool, direction: Direction) -> float:
     """The distance along a direction at which the box of a tool leaves the box of all parts of a scene, metres."""
-    return _out_of(*box_of_parts(scene), tool, direction)
+    return float(_out_of(*box_of_parts(scene), np.array(tool.bounds), np.array(direction)))
 
 
-def _out_of(lower: Floats, upper: Floats, tool: Tool, direction: Direction) -> float:
-    low, high = tool.bounds
-    along = np.array(direction)
+def _out_of(lower: Floats, upper: Floats, bounds: Floats, along: Floats) -> Floats:
+    """How far a box goes along directions `(..., 3)` until it is out of another: `(...)`, metres."""
+    low, high = bounds
     with np.errstate(divide="ignore", invalid="ignore"):
         leave = np.where(along > 0, (upper - low) / along, np.where(along < 0, (lower - high) / along, np.inf))
-    return max(0.0, float(leave.min())) + TOUCH_M
+    return np.asarray(np.fmax(0.0, leave.min(axis=-1)) + TOUCH_M)
 
 
 def box_of_parts(scene: Scene) -> tuple[Floats, Floats]:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from feeler.scene import PartNumber
 from feeler.tasks.digests import short
-from feeler.tasks.regions import Regions
+from feeler.tasks.regions import GROWN_M, Regions, near
 from feeler.tasks.snapshots import Changes, Snapshot
 
 Bools = npt.NDArray[np.bool_]
@@ -159,8 +159,15 @@ class Memory:
         """The parts that are where a question looked."""
         if regions.is_all:
             return list(range(len(self._parts)))
-        near = regions.near(self._bounds)
-        return [n for n in np.flatnonzero(near).tolist() if regions.bear(self._seen[n].bounds, self._seen[n].boxes)]
+        return [n for n in self._near(regions) if regions.bear(self._seen[n].bounds, self._seen[n].boxes)]
+
+    def _near(self, regions: Regions) -> list[int]:
+        """The parts whose boxes are where a question looked."""
+        lower, upper = self._bounds[:, 0] - GROWN_M, self._bounds[:, 1] + GROWN_M
+        found: Bools = np.logical_not(np.isfinite(self._bounds).all(axis=(1, 2)))
+        for low, high in regions.around():
+            found = found | ((lower <= high) & (upper >= low)).all(axis=1)
+        return [int(n) for n in np.flatnonzero(found)]
 
 
 def carried(answers: Iterable[Answer], old: Snapshot, new: Snapshot, changes: Changes) -> Iterator[Answer]:
@@ -173,12 +180,12 @@ def carried(answers: Iterable[Answer], old: Snapshot, new: Snapshot, changes: Ch
         if (before := old.parts.get(key)) is None or (now := new.parts.get(key)) is None or before.digest != now.digest
     }
     moved = [(key, new.parts[key]) for key in sorted(other) if key in new.parts]
+    left = [answer for answer in answers if not answer.met & other]
     bounds = np.array([each.box for _, each in moved]).reshape(-1, 2, 3)
-    for answer in answers:
-        if answer.met & other:
-            continue
-        near = np.flatnonzero(answer.regions.near(bounds)) if len(moved) else ()
-        come = {moved[n][0] for n in near if answer.regions.bear(moved[n][1].bounds, moved[n][1].boxes)}
+    for answer, is_near in zip(left, near([each.regions for each in left], bounds), strict=True):
+        come = {
+            moved[n][0] for n in np.flatnonzero(is_near) if answer.regions.bear(moved[n][1].bounds, moved[n][1].boxes)
+        }
         missed = frozenset((answer.missed - other) | come)
         same = missed == answer.missed
         yield answer if same else Answer(answer.key, answer.data, answer.regions, answer.met, missed)

@@ -9,7 +9,7 @@ import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from importlib.metadata import version
 from typing import Any
 
@@ -45,7 +45,7 @@ from feeler.tasks.planning import task
 from feeler.tasks.reached import Reaching
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
-from feeler.tasks.snapshots import Changes, Snapshot, keys_of
+from feeler.tasks.snapshots import Changes, Snapshot, keys_of, scene_digest
 from feeler.tasks.steps import clock
 from feeler.tasks.stored_answers import StoredAnswers
 from feeler.tasks.times import Times
@@ -121,15 +121,13 @@ def maintain(
     Reaching(scene, tools, 1)  # it raises what is wrong with them
     before = _previous(previous)
     say = progress or (lambda _share, _stage: None)
-    say(0.0, "looking for fasteners")
-    fasteners = find_fasteners(scene)
-    say(0.0, "looking at what they hold")
-    held = holds(scene, fasteners)
-    snapshot = Snapshot.of(scene, fasteners, held)
     options = _digest(tools, table, limit, seed, places)
-    asked = _Asked(tools, table, limit, seed, fasteners, held, places, Memory(keys_of(scene.mockup), snapshot))
     is_here = pool is None or isinstance(pool, ThreadPoolExecutor)
-    night = _Night(scene, wanted, options, snapshot, before, asked, is_here)
+    fixed = _Fixed(scene, say)
+    night = _Night(scene, wanted, options, fixed, before, tools is None, is_here)
+    if not night.jobs:
+        return night.run({})
+    asked = _Asked(tools, table, limit, seed, fixed.fasteners, fixed.held, places, night.memory)
 
     begin = time.monotonic()
 
@@ -177,6 +175,34 @@ def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance
     if isinstance(given, (str, os.PathLike)):
         return load_maintenance(given)
     raise OptionError(f"previous is {shown(given)}: give a feeler.Maintenance, or the file that it wrote")
+
+
+class _Fixed:
+    """The fasteners of a scene and what they hold, found when they are asked for."""
+
+    def __init__(self, scene: Scene, say: Progress) -> None:
+        self._scene, self._say = scene, say
+
+    @cached_property
+    def fasteners(self) -> Fasteners:
+        """All of them."""
+        self._say(0.0, "looking for fasteners")
+        return find_fasteners(self._scene)
+
+    @cached_property
+    def held(self) -> Holds:
+        """What they hold."""
+        fasteners = self.fasteners
+        self._say(0.0, "looking at what they hold")
+        return holds(self._scene, fasteners)
+
+    def snapshot(self, runs: Sequence[Maintenance], version: str) -> Snapshot:
+        """That of the scene: that of a run where all is as it was, else a new one."""
+        now = scene_digest(self._scene)
+        for run in runs:
+            if run.snapshot.scene == now and run.options.get("version") == version:
+                return run.snapshot
+        return Snapshot.of(self._scene, self.fasteners, self.held)
 
 
 @dataclass(frozen=True, eq=False)  # it may hold an array
@@ -350,34 +376,35 @@ class _Night:
         scene: Scene,
         wanted: Sequence[Wanted],
         options: Mapping[str, str],
-        snapshot: Snapshot,
+        fixed: _Fixed,
         before: Maintenance | None,
-        asked: _Asked,
+        is_bare: bool,
         is_here: bool,
     ) -> None:
-        self._wanted, self._options, self._snapshot, self._before = wanted, dict(options), snapshot, before
+        """is_bare: there are no tools. is_here: workers share the memory of this process."""
+        self._wanted, self._options = wanted, dict(options)
         self._keys = keys_of(scene.mockup)
         self._index = {key: part for part, key in enumerate(self._keys)}
         self._ids = _numbered([self._id(each) for each in wanted])
         goes_on = before is not None and before.is_partial
         self._base = before.base if before is not None and goes_on else before
         runs = list({id(run): run for run in (before, self._base) if run is not None}.values())
-        is_bare = asked.tools is None
+        self._snapshot = snapshot = fixed.snapshot(runs, self._options["version"])
         self._changes = {id(run): Changes(run.snapshot, snapshot, is_bare) for run in runs}
         self._kept: dict[int, tuple[Plan, list[Seeing]]] = {}
         self.jobs: list[_Job] = []
         self._lower, self._upper = box_of(scene.mockup.part_bounds.reshape(-1, 2, 3))
-        self._memory = asked.memory
         for number, each in enumerate(wanted):
             self._decide(number, each, runs)
         self.hints = [hint for run in runs for hint in run.hints]
         self._used: dict[str, tuple[str, ...]] = {}
         is_same = len(runs) == 1 and not self.jobs and runs[0].snapshot == snapshot
         self._same = runs[0].answers if is_same else None
+        self.memory = Memory(self._keys, snapshot)
         if not is_same:
             self._recall(runs)
         if not is_here:
-            known = {answer.name: answer for answer in self._memory}
+            known = {answer.name: answer for answer in self.memory}
             for n, job in enumerate(self.jobs):
                 names = self._used.get(self._ids[job.number], ())
                 self.jobs[n] = replace(job, answers=tuple(known[name] for name in names if name in known))
@@ -392,7 +419,7 @@ class _Night:
             except ValueError as error:
                 self.hints.append(f"The answers of the last run are not used: {error}. Rows are computed in full.")
                 continue
-            self._memory.take(carried(answers, run.snapshot, self._snapshot, self._changes[id(run)]))
+            self.memory.take(carried(answers, run.snapshot, self._snapshot, self._changes[id(run)]))
             self._used.update(rows)
 
     def _id(self, each: Wanted) -> str:
@@ -435,7 +462,7 @@ class _Night:
             if number in missing:
                 continue
             if row is not None:
-                self._memory.take(row.new)
+                self.memory.take(row.new)
                 used[name] = row.used if row.plan is not None else (*used[name], *row.used)
             if row is not None and row.plan is not None:
                 plans[name] = row.plan, row.seen
@@ -461,7 +488,7 @@ class _Night:
         """Those that rows used, for the next run."""
         if self._same is not None:
             return self._same
-        return StoredAnswers.of(list(self._snapshot.parts), self._memory, used)
+        return StoredAnswers.of(list(self._snapshot.parts), self.memory, used)
 
 
 def _numbered(names: Sequence[str]) -> list[str]:

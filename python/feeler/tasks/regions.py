@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -53,37 +53,35 @@ class Regions:
             return True
         if ((self.solids[:, 0] <= bounds[1] + GROWN_M) & (self.solids[:, 1] >= bounds[0] - GROWN_M)).all(axis=1).any():
             return True
-        return self.meets(*bounds) and any(self.meets(*each) for each in surface)
+        return self.meets(*bounds) and self._meet(surface)
 
-    def near(self, bounds: Floats) -> Bools:
-        """Of boxes `(n, 2, 3)`, whether `bear` may be true, by the box around each sweep: `(n,)`."""
-        if self.is_all:
-            return np.ones(len(bounds), dtype=bool)
+    def around(self) -> Floats:
+        """`(n, 2, 3)`: boxes around all that they looked at."""
         ends = self.sweeps[:, :2] + self.sweeps[:, 2:]
         swept = np.stack([np.minimum(self.sweeps[:, 0], ends[:, 0]), np.maximum(self.sweeps[:, 1], ends[:, 1])], axis=1)
-        looked = np.concatenate([self.boxes, self.solids, swept])
-        found: Bools = np.logical_not(np.isfinite(bounds).all(axis=(1, 2)))
-        lower, upper = bounds[:, 0] - GROWN_M, bounds[:, 1] + GROWN_M
-        for low, high in looked:
-            found = found | ((lower <= high) & (upper >= low)).all(axis=1)
-        return found
+        return np.concatenate([self.boxes, self.solids, swept])
 
     def meets(self, lower: Floats, upper: Floats) -> bool:
         """Whether a box `(3,)`, `(3,)` meets where they looked for surfaces. A box that is not finite does."""
-        if self.is_all or not (np.isfinite(lower).all() and np.isfinite(upper).all()):
+        return self._meet(np.stack([lower, upper])[None])
+
+    def _meet(self, surface: Floats) -> bool:
+        """Whether one of boxes `(n, 2, 3)` does."""
+        if self.is_all or not np.isfinite(surface).all():
             return True
-        if ((self.boxes[:, 0] <= upper + GROWN_M) & (self.boxes[:, 1] >= lower - GROWN_M)).all(axis=1).any():
+        lower, upper = surface[None, :, 0] - GROWN_M, surface[None, :, 1] + GROWN_M
+        if ((self.boxes[:, None, 0] <= upper) & (self.boxes[:, None, 1] >= lower)).all(axis=2).any():
             return True
+        sweeps = self.sweeps[:, None]
         # A box that moves meets another where its corner meets that one, grown by its sides.
-        low = lower - GROWN_M - (self.sweeps[:, 1] - self.sweeps[:, 0])
-        begin, way = self.sweeps[:, 0], self.sweeps[:, 2]
+        begin, way = sweeps[:, :, 0], sweeps[:, :, 2]
+        lower = lower - (sweeps[:, :, 1] - begin)
         with np.errstate(divide="ignore", invalid="ignore"):
-            ends = np.stack([(low - begin) / way, (upper + GROWN_M - begin) / way])
-        stays = way == 0.0
-        is_in = (begin >= low) & (begin <= upper + GROWN_M)
-        first = np.where(stays, np.where(is_in, -np.inf, np.inf), ends.min(axis=0))
-        last = np.where(stays, np.where(is_in, np.inf, -np.inf), ends.max(axis=0))
-        return bool((np.maximum(first.max(axis=1), 0.0) <= np.minimum(last.min(axis=1), 1.0)).any())
+            one, other = (lower - begin) / way, (upper - begin) / way
+        stays, is_in = way == 0.0, (begin >= lower) & (begin <= upper)
+        first = np.where(stays, np.where(is_in, -np.inf, np.inf), np.minimum(one, other))
+        last = np.where(stays, np.where(is_in, np.inf, -np.inf), np.maximum(one, other))
+        return bool((np.maximum(first.max(axis=2), 0.0) <= np.minimum(last.min(axis=2), 1.0)).any())
 
     def coarse(self) -> Regions:
         """At most about so many sweeps: beyond, boxes that move alike are one."""
@@ -115,6 +113,20 @@ class Regions:
         sweeps = np.array(data["sweeps"], dtype=np.float64).reshape(-1, 3, 3)
         solids = np.array(data["solids"], dtype=np.float64).reshape(-1, 2, 3)
         return cls(bool(data["is_all"]), boxes, sweeps, solids, frozenset(str(each) for each in data["asked"]))
+
+
+def near(regions: Sequence[Regions], bounds: Floats) -> Bools:
+    """Whether `bear` of regions may be true for boxes `(n, 2, 3)`, by the box around each sweep: `(len(regions), n)`."""
+    looked = [each.around() for each in regions]
+    owners = np.repeat(np.arange(len(looked)), [len(each) for each in looked])
+    boxes = np.concatenate([np.empty((0, 2, 3)), *looked])
+    found = np.zeros((len(regions), len(bounds)), dtype=bool)
+    for n, (lower, upper) in enumerate(bounds):
+        is_met = ((lower - GROWN_M <= boxes[:, 1]) & (upper + GROWN_M >= boxes[:, 0])).all(axis=1)
+        found[owners[is_met], n] = True
+    found[[each.is_all for each in regions]] = True
+    found[:, np.logical_not(np.isfinite(bounds).all(axis=(1, 2)))] = True
+    return found
 
 
 class Noted:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -95,6 +96,8 @@ class Snapshot:
     held: Mapping[str, Held]
     axes: tuple[tuple[float, ...], ...]
     """Those of the scene."""
+    scene: str
+    """The digest of all that the scene is made of: `scene_digest`."""
 
     @classmethod
     def of(cls, scene: Scene, fasteners: Fasteners, held: Holds) -> Snapshot:
@@ -112,7 +115,8 @@ class Snapshot:
             for part in sorted(holding.keys() | rows.keys())
             if scene.part_mask[part]
         }
-        return cls(seen, known, tuple(tuple(axis.tolist()) for axis in scene_axes(scene)))
+        axes = tuple(tuple(axis.tolist()) for axis in scene_axes(scene))
+        return cls(seen, known, axes, scene_digest(scene))
 
     @property
     def bounds(self) -> Floats:
@@ -130,6 +134,7 @@ class Snapshot:
             },
             "held": {key: [each.facts, sorted(each.joins), list(each.mates)] for key, each in self.held.items()},
             "axes": [list(axis) for axis in self.axes],
+            "scene": self.scene,
         }
 
     @classmethod
@@ -147,7 +152,7 @@ class Snapshot:
             for key, (facts, joins, mates) in data["held"].items()
         }
         axes = tuple(tuple(float(value) for value in axis) for axis in data["axes"])
-        return cls(parts, held, axes)
+        return cls(parts, held, axes, str(data["scene"]))
 
 
 class Changes(Sequence[MaintainChange]):
@@ -217,6 +222,16 @@ class Changes(Sequence[MaintainChange]):
         gained = self._joined.get(key, frozenset[str]())
         beside = [self._beside[each] for each in sorted(gained) if each in self._beside]
         return bool(gained & looked.asked) or any(looked.bear(each.bounds, each.boxes) for each in beside)
+
+
+def scene_digest(scene: Scene) -> str:
+    """The same text for the same vertices, faces and names, in the same order, with the same parts present."""
+    mockup = scene.mockup
+    digest = hashlib.blake2b(json.dumps([mockup.part_paths, mockup.part_names]).encode(), digest_size=16)
+    for array in (mockup.vertices, mockup.faces, mockup.part_of_face, scene.part_mask):
+        digest.update(f"{array.dtype.str} {array.shape}".encode())
+        digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+    return digest.hexdigest()
 
 
 def keys_of(mockup: Mockup) -> list[str]:
