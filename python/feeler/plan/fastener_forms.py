@@ -1,4 +1,4 @@
-"""Less usual fasteners: plugs with a collar; hollow, short and shoulder screws; dog points; wing screws; carriage bolts.
+"""Less usual fasteners: plugs with a collar; hollow, short, shoulder and wing screws; dog points; carriage bolts.
 
 `fastener_shape` examines a shape for these only if it is none of the usual ones. The proportions are those of the
 standards. A form that other things have as often, such as a hexagon on a tube, is known by its name only.
@@ -11,6 +11,7 @@ import numpy as np
 from feeler.plan.fastener_drive import Recess
 from feeler.plan.fastener_view import (
     BORE_TO_FLATS,
+    CORNERS,
     FLAT_SOCKETS,
     HEAD_HEIGHTS,
     HEAD_TO_SHANK,
@@ -86,14 +87,14 @@ ROUND_HEIGHT = (0.15, 1.0)
 def hexagon_headed(view: View) -> Found | None:
     """A hexagon on a short or hollow thread, or on a collar that is wider than both."""
     prisms = [b for b in view.outer() if b.sides]
-    if not prisms:
+    # Flats of a plug may be as far from the axis as its thread.
+    head = max(prisms, key=lambda b: (b.sides > 4, b.radius), default=None) or _above_collar(view)
+    if head is None:
         return None
-    head = max(prisms, key=lambda b: (b.sides > 4, b.radius))
     bore = _bore(view)
     full, flats = view.high - view.low, 2.0 * head.radius
     beyond = view.high - head.high
-    is_domed = beyond < head.height and not any(b.high > head.high + 0.1 * beyond for b in view.outer())
-    if (beyond > TOP_SHARE * head.height and not is_domed) or view.recesses[1] is not None:
+    if (beyond > TOP_SHARE * head.height and not is_domed(view, head)) or view.recesses[1] is not None:
         return None
     if not HEAD_HEIGHTS[0] <= head.height / flats <= HEAD_HEIGHTS[1]:
         return None
@@ -126,6 +127,22 @@ def hexagon_headed(view: View) -> Found | None:
         is_strong=is_sure,
         is_known_by_name=not is_sure,
     )
+
+
+def _above_collar(view: View) -> Body | None:
+    """The prism that stands alone on the widest section."""
+    top = float(view.z[view.r > 0.97 * float(view.r.max())].max())
+    found = view.outer_above(top - 1e-3 * (view.high - view.low))
+    return found if found is not None and found.sides else None
+
+
+def is_domed(view: View, head: Body) -> bool:
+    """Whether a head ends in a dome that leaves its flats free for a tool."""
+    beyond = view.high - head.high
+    if beyond >= head.height or any(b.high > head.high + 0.1 * beyond for b in view.outer()):
+        return False
+    above = view.r[view.z > head.high + 1e-6 * beyond]
+    return bool(above.max(initial=0.0) < CORNERS[head.sides][1] * head.radius)
 
 
 def _is_bolt_shape(view: View, head: Body, radius: float, collar: float, bearing: float, bore: float) -> bool | None:
@@ -200,7 +217,8 @@ def _is_screw_shape(
         return is_sure and is_socket if is_plug and COLLAR_LENGTH[0] <= slender <= COLLAR_LENGTH[1] else None
     if height > MOST_HEAD or wide > (WIDEST_SHOULDER_HEAD if shoulder else MOST_HEAD_WIDTH) or slender < SHORT[0]:
         return None
-    is_short = slender < SHANK_SLENDER
+    # Of a short thread, the usual screw's looks take the head.
+    is_short = slender < SHANK_SLENDER or bearing < view.low + 0.4 * (view.high - view.low)
     if not (shoulder or bore or is_short):
         return None
     return is_sure and (is_socket or not is_short) and slender >= SHORT[1]
@@ -308,5 +326,5 @@ def _steps(view: View, bearing: float, radius: float) -> bool:
     return any(b.radius < STEP * radius and b.low < bearing and b.height > 0.25 * length for b in view.outer())
 
 
-LESS_USUAL = (hexagon_headed, recessed, wing_screw, carriage_bolt)
+LESS_USUAL = (hexagon_headed, recessed, carriage_bolt)
 """The forms, in the order in which they are tried."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from feeler.plan.fastener_forms import LESS_USUAL
+from feeler.plan.fastener_forms import LESS_USUAL, is_domed, wing_screw
 from feeler.plan.fastener_view import (
     BORE_TO_FLATS,
     FLAT_SOCKETS,
@@ -290,8 +290,7 @@ def _bolt(view: View) -> Found | None:
     beyond = view.high - head.high
     top, is_known_by_name = None, False
     is_strong = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
-    is_domed = beyond < head.height and not any(b.high > head.high + 0.1 * beyond for b in view.outer())
-    if beyond > TOP_SHARE * head.height and not is_domed:
+    if beyond > TOP_SHARE * head.height and not is_domed(view, head):
         # A sensor: its hexagon lies between a thread and a body that a wrench goes around.
         if head.sides != 6 or beyond > 2.0 * head.height or length > 2.5 * head.height:
             return None
@@ -473,4 +472,4 @@ def _prism(view: View) -> Found | None:
     return Found("prism", np.nan, flats, np.nan, full, ring, because, PRISMS[6], True, False)
 
 
-_USUAL: tuple[_Form, ...] = (_bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
+_USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)

@@ -90,6 +90,8 @@ class View:
     """(n, 2): the same corners across the axis."""
     recesses: tuple[Recess | None, Recess | None]
     """At the upper and at the lower end."""
+    walls: Walls
+    """All of them."""
 
     @property
     def low(self) -> float:
@@ -104,7 +106,22 @@ class View:
     def flipped(self) -> View:
         """Seen from the other end."""
         bodies = [Body(b.radius, b.is_inside, b.directions, b.sides, -b.high, -b.low, b.share) for b in self.bodies]
-        return View(bodies, -self.z, self.r, self.across, self.recesses[::-1])
+        return View(bodies, -self.z, self.r, self.across, self.recesses[::-1], self.walls.flipped())
+
+    def outer_above(self, height: float) -> Body | None:
+        """The outer walls above a height as one body; None if they are not at one distance around the axis.
+
+        Bodies of the view join walls at one distance wherever they are along the axis.
+        """
+        walls = self.walls
+        chosen = np.flatnonzero((walls.distance > 0.0) & (walls.corners[:, :, 2].min(axis=1) >= height))
+        distance = walls.distance[chosen]
+        if not len(chosen) or np.ptp(distance) > SAME_RADIUS * float(self.r.max()):
+            return None
+        corners, across, area = walls.corners[chosen], walls.across[chosen], walls.area[chosen]
+        angle = np.degrees(np.arctan2(across[:, 1], across[:, 0]))
+        farthest = np.hypot(corners[..., 0], corners[..., 1]).max(axis=1)
+        return _body(distance, angle, area, corners[..., 2], farthest, float(walls.area.sum()))
 
     def outer(self) -> list[Body]:
         """The bodies whose walls face away from the axis."""
@@ -183,7 +200,7 @@ def view_along(corners: Floats, area: Floats, normals: Floats, centre: Floats, a
     if share < LEAST_SYMMETRIC and wings_of(rest[:, :2], r.reshape(-1)) is None:
         return None
     kept = [body for body in bodies if body.share >= LEAST_BODY]
-    return View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses)
+    return View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses, walls)
 
 
 def frame_of(axis: Floats) -> Floats:
