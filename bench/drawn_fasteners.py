@@ -407,14 +407,16 @@ class Draughtsman:
     # Shapes that are not fasteners.
 
     def hexagon_shaft(self) -> Drawn:
-        """A stepped shaft, one section of which is a hexagon."""
+        """A stepped shaft: one section is a hexagon, and another one is wider."""
         d, solid, z = self.size, Solid(), 0.0
         count = int(self.rng.integers(3, 6))
         chosen = int(self.rng.integers(count))
+        wider = (chosen + int(self.rng.integers(1, count))) % count
+        flat = d * float(self.rng.uniform(0.3, 0.9))
         for i in range(count):
             long, wide = d * float(self.rng.uniform(0.8, 3.0)), d * float(self.rng.uniform(0.3, 0.9))
-            is_hexagon = i == chosen
-            solid += prism(regular(6, wide), z, z + long) if is_hexagon else rod(wide, z - 0.01, z + long, self.n)
+            wide = flat * float(self.rng.uniform(1.2, 1.6)) if i == wider else wide
+            solid += prism(regular(6, flat), z, z + long) if i == chosen else rod(wide, z - 0.01, z + long, self.n)
             z += long
         return Drawn(solid)
 

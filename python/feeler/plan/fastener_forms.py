@@ -58,6 +58,14 @@ SHORT_HEAD = (0.45, 0.95)
 """Height of its head, relative to its thread's diameter: 0.6 to 0.75 in the standards, more for a core diameter."""
 STEP = 0.8
 """A section of the thread below this share of its radius is another section, as of a shaft."""
+LEAST_SECTION = 1.0
+"""The least length of a section of a shaft, in diameters: points and undercuts of screws are shorter."""
+SECTION = 0.93
+"""Radius of a section relative to another one, below which they are two."""
+THIN_END = 0.72
+"""The same for a thin end: threads modelled with the core diameter have 0.79 of a fitted shank."""
+HIGH_HEAD = 1.3
+"""Height of a head in diameters of its shank, above which several sections make a shaft: up to 1.2 for bolts."""
 SHOULDER = (1.05, 0.93)
 """The least radius of a shoulder, relative to its thread, and the greatest, relative to its head."""
 WIDEST_SHOULDER_HEAD = 3.5
@@ -318,6 +326,20 @@ def _is_of(body: Body, reach: float) -> bool:
 def _widest(view: View, low: float, high: float) -> float:
     """The greatest radius between two heights; 0 where no corner lies there."""
     return float(view.r[(view.z >= low) & (view.z < high)].max(initial=0.0))
+
+
+def is_shaft(view: View, bearing: float, radius: float) -> bool:
+    """Whether the part below a head has sections as a stepped shaft has, and no bolt: under a high head, or to a thin
+    end."""
+    found = [b for b in view.outer() if b.low < bearing - 1e-6 * radius and b.height >= LEAST_SECTION * 2.0 * b.radius]
+    found = sorted((b for b in found if b.radius <= 1.01 * radius), key=lambda b: b.low)
+    sections = [
+        b for b in found if all(min(b.high, c.high) - max(b.low, c.low) < 0.1 * b.height for c in found if c is not b)
+    ]
+    if len(sections) < 2 or min(b.radius for b in sections) > SECTION * max(b.radius for b in sections):
+        return False
+    is_thin = sections[0].radius < THIN_END * max(b.radius for b in sections)
+    return is_thin or view.high - bearing > HIGH_HEAD * 2.0 * radius
 
 
 def _steps(view: View, bearing: float, radius: float) -> bool:

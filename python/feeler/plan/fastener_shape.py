@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from feeler.plan.fastener_forms import LESS_USUAL, is_domed, wing_screw
+from feeler.plan.fastener_forms import LESS_USUAL, is_domed, is_shaft, wing_screw
 from feeler.plan.fastener_view import (
     BORE_TO_FLATS,
     FLAT_SOCKETS,
@@ -288,8 +288,9 @@ def _bolt(view: View) -> Found | None:
     name = PRISMS[head.sides]
     because = f"{article(name)}, {mm(flats)} across flats, on a shank of {mm(2.0 * radius)}"
     beyond = view.high - head.high
-    top, is_known_by_name = None, False
-    is_strong = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
+    top, is_known_by_name = None, is_shaft(view, bearing, radius)
+    is_usual = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
+    is_strong = is_usual and not is_known_by_name
     if beyond > TOP_SHARE * head.height and not is_domed(view, head):
         # A sensor: its hexagon lies between a thread and a body that a wrench goes around.
         if head.sides != 6 or beyond > 2.0 * head.height or length > 2.5 * head.height:
@@ -447,6 +448,8 @@ def _round_screw(view: View) -> Found | None:
         return None
     radius = shank[0]
     bearing = bearing_of(view, radius, head.radius)
+    if is_shaft(view, bearing, radius):
+        return None
     height = view.high - bearing
     wide = float(view.r[view.z > bearing + 0.2 * height].max())
     if not HEAD_TO_SHANK[0] <= wide / radius <= HEAD_TO_SHANK[1]:
