@@ -328,7 +328,147 @@ class Draughtsman:
         cut = prism(regular(4, 0.25 * d).rotate(360 * self.turn), -0.45 * d, 1.0)
         return Drawn(rod(d / 2.0, -0.9 * d, 0.0, self.n) - cut, "screw", "square socket", 0.5 * d, d, 0.0)
 
+    # With a collar, a bore, a shoulder, a point or a short thread.
+
+    def collar_plug(self) -> Drawn:
+        """DIN 908."""
+        d, low = self.size, float(self.rng.uniform(0.5, 1.1)) * self.size
+        self.thread, flats = d / 2.0, 0.5 * d
+        wide = float(self.rng.uniform(1.15, 1.5)) * d / 2.0
+        solid = rod(self.thread, -low, 0.01, self.n, self.chamfer) + rod(wide, 0.0, 0.25 * d, self.n)
+        cut = prism(regular(6, flats / 2.0).rotate(360 * self.turn), -0.3 * d, d)
+        return self.sized(solid - cut, "screw", "hexagon socket", flats, 0.25 * d)
+
+    def hexagon_plug(self) -> Drawn:
+        """DIN 910: the thread is often wider than the flats."""
+        d, low = self.size, float(self.rng.uniform(0.4, 1.1)) * self.size
+        self.thread, flats = d / 2.0, float(self.rng.uniform(0.65, 1.1)) * d
+        wide = max(float(self.rng.uniform(1.2, 1.45)) * d / 2.0, 0.6 * flats)
+        solid = rod(self.thread, -low, 0.01, self.n, self.chamfer) + rod(wide, 0.0, 0.2 * d, self.n)
+        solid += prism(regular(6, flats / 2.0).rotate(360 * self.turn), 0.19 * d, 0.2 * d + 0.5 * flats)
+        if self.rng.random() < 0.4:  # hollow from below
+            solid -= rod(0.3 * d, -2.0 * low, -0.1 * d, self.n)
+        return self.sized(solid, "bolt", "hexagon", flats, 0.2 * d + 0.5 * flats)
+
+    def hollow_bolt(self) -> Drawn:
+        made = self.hexagon_bolt()
+        bore = rod(self.thread * float(self.rng.uniform(0.08, 0.4)), -2.0 * self.length, 2.0 * self.size, self.n)
+        return self.sized(made.solid - bore, "bolt", "hexagon", self.flats, made.top)
+
+    def vented_screw(self) -> Drawn:
+        made = self.cap_screw()
+        bore = rod(self.thread * float(self.rng.uniform(0.08, 0.4)), -2.0 * self.length, 2.0 * self.size, self.n)
+        return self.sized(made.solid - bore, "screw", "hexagon socket", made.flats, made.top)
+
+    def shoulder_screw(self) -> Drawn:
+        """ISO 7379."""
+        d, flats = self.size, 0.75 * self.size
+        self.thread = d / 2.0
+        wide, long = float(self.rng.uniform(1.15, 1.5)) * d / 2.0, d * float(self.rng.uniform(0.5, 4.0))
+        solid = rod(d / 2.0, -long - 1.4 * d, 0.01, self.n, self.chamfer) + rod(wide, -long, 0.01, self.n)
+        solid += rod(1.5 * wide, 0.0, 0.8 * d, self.n)
+        cut = prism(regular(6, flats / 2.0).rotate(360 * self.turn), 0.3 * d, 2.0 * d)
+        return self.sized(solid - cut, "screw", "hexagon socket", flats, 0.8 * d)
+
+    def dog_point_screw(self) -> Drawn:
+        """DIN 915."""
+        d, long = self.size, self.size * float(self.rng.uniform(1.1, 3.0))
+        self.thread, flats = d / 2.0, 0.5 * d
+        solid = rod(d / 2.0, -long, 0.0, self.n, 0.5 * self.chamfer) + rod(
+            float(self.rng.uniform(0.6, 0.75)) * d / 2.0, -long - 0.5 * d, -0.9 * long, self.n
+        )
+        cut = prism(regular(6, flats / 2.0).rotate(360 * self.turn), -0.5 * d, d)
+        return self.sized(solid - cut, "screw", "hexagon socket", flats, 0.0)
+
+    def short_bolt(self) -> Drawn:
+        self.length, self.is_stepped = self.size * float(self.rng.uniform(0.35, 0.7)), False
+        return self.hexagon_bolt()
+
+    def short_cap_screw(self) -> Drawn:
+        self.length, self.is_stepped = self.size * float(self.rng.uniform(0.35, 0.7)), False
+        return self.cap_screw()
+
+    def wing_screw(self) -> Drawn:
+        d, high = self.size, 0.9 * self.size
+        outline = np.array([[0.0, 0.1], [0.8, 0.1], [1.9, 1.0], [2.0, 1.7], [1.5, 1.8], [0.5, 0.75], [0.0, 0.7]]) * d
+        wing = polygon(outline).extrude(0.3 * d).translate([0, 0, -0.15 * d]).rotate([90, 0, 0])
+        solid = Solid.cylinder(high, d, 0.85 * d, self.n) + wing + wing.rotate([0, 0, 180]) + self.shank()
+        return self.sized(solid, "screw", "wings", np.nan, 1.8 * d)
+
+    def carriage_bolt(self) -> Drawn:
+        """DIN 603."""
+        d, wide, high = self.size, 1.1 * self.size, 0.5 * self.size
+        round_ = (wide * wide + high * high) / (2.0 * high)
+        head = Solid.sphere(round_, 4 * self.n).translate([0, 0, high - round_]).trim_by_plane([0, 0, 1], 0.0)
+        self.is_stepped, self.length = False, self.length + d
+        neck = prism(regular(4, d / 2.0).rotate(360 * self.turn), -0.6 * d, 0.01 * d)
+        return self.sized(head + neck + self.shank(), "bolt", "", np.nan, high)
+
     # Shapes that are not fasteners.
+
+    def hexagon_shaft(self) -> Drawn:
+        """A stepped shaft: one section is a hexagon, and another one is wider."""
+        d, solid, z = self.size, Solid(), 0.0
+        count = int(self.rng.integers(3, 6))
+        chosen = int(self.rng.integers(count))
+        wider = (chosen + int(self.rng.integers(1, count))) % count
+        flat = d * float(self.rng.uniform(0.3, 0.9))
+        for i in range(count):
+            long, wide = d * float(self.rng.uniform(0.8, 3.0)), d * float(self.rng.uniform(0.3, 0.9))
+            wide = flat * float(self.rng.uniform(1.2, 1.6)) if i == wider else wide
+            solid += prism(regular(6, flat), z, z + long) if i == chosen else rod(wide, z - 0.01, z + long, self.n)
+            z += long
+        return Drawn(solid)
+
+    def spacer(self) -> Drawn:
+        """A hexagon spacer: a thread on one side, a bore in the other."""
+        d, high = self.size, self.size * float(self.rng.uniform(3.5, 8.0))
+        solid = prism(regular(6, 0.85 * d), 0.0, high) + rod(d / 2.0, -1.2 * d, 0.01, self.n, self.chamfer)
+        return Drawn(solid - rod(0.45 * d, high - 1.5 * d, high + 1.0, self.n))
+
+    def hose_nipple(self) -> Drawn:
+        """A thread, a hexagon and barbs around a bore."""
+        d, solid = self.size, prism(regular(6, 0.8 * self.size), 0.0, 0.6 * self.size)
+        solid += rod(d / 2.0, -d, 0.01, self.n, self.chamfer)
+        for i in range(int(self.rng.integers(2, 5))):
+            solid += Solid.cylinder(0.51 * d, 0.5 * d, 0.4 * d, self.n).translate([0, 0, (0.6 + 0.5 * i) * d - 0.01])
+        return Drawn(solid - rod(0.28 * d, -2.0 * d, 5.0 * d, self.n))
+
+    def valve_body(self) -> Drawn:
+        """A hexagon between a thread and a stem, with a bore from below and one across."""
+        d = self.size
+        solid = prism(regular(6, d), 0.0, 1.5 * d) + rod(0.6 * d, -d, 0.01, self.n) + rod(0.7 * d, 1.49 * d, 3 * d, 32)
+        solid -= rod(0.3 * d, -2.0 * d, 0.8 * d, self.n)
+        return Drawn(solid - rod(0.3 * d, 0.0, 2.0 * d, self.n).rotate([90, 0, 0]).translate([0, 0, 0.7 * d]))
+
+    def reducer(self) -> Drawn:
+        """A hexagon on a thread around a wide bore: fittings and the nuts of hoses."""
+        d = self.size
+        solid = prism(regular(6, 0.75 * d), 0.0, 0.5 * d) + rod(d / 2.0, -self.length, 0.01, self.n)
+        return Drawn(solid - rod(float(self.rng.uniform(0.26, 0.42)) * d, -9.0 * d, d, self.n))
+
+    def hub_flange(self) -> Drawn:
+        """A disc on a solid boss."""
+        d = self.size
+        return Drawn(rod(2.0 * d, 0.0, 0.4 * d, self.n) + rod(d, -float(self.rng.uniform(0.4, 2.0)) * d, 0.1, self.n))
+
+    def hexagon_hub(self) -> Drawn:
+        """A disc with a hexagon bore, as of a clutch."""
+        d = self.size
+        solid = rod(2.0 * d, 0.0, 0.5 * d, self.n) + rod(1.2 * d, -d, 0.01, self.n)
+        return Drawn(solid - prism(regular(6, 0.6 * d), -2.0 * d, 2.0 * d))
+
+    def stepped_pin(self) -> Drawn:
+        """A pin with a collar."""
+        d = self.size
+        solid = rod(d / 2.0, -self.length, self.length, self.n, self.chamfer)
+        return Drawn(solid + rod(float(self.rng.uniform(0.6, 1.0)) * d, 0.0, 0.3 * d, self.n))
+
+    def stepped_bush(self) -> Drawn:
+        """A bush with a collar and a counterbore."""
+        d = self.size
+        solid = rod(0.8 * d, -self.length, 0.0, self.n) + rod(1.1 * d, -0.01, 0.4 * d, self.n)
+        return Drawn(solid - rod(0.5 * d, -0.3 * d, d, self.n) - rod(0.25 * d, -2.0 * self.length, d, self.n))
 
     def socket_tool(self) -> Drawn:
         d = self.size
@@ -479,12 +619,16 @@ FASTENERS = [
     *("slotted_screw", "cross_screw", "torx_screw", "twelve_point_recess_screw", "set_screw", "hexagon_nut"),
     *("square_nut", "flange_nut", "castle_nut", "twelve_point_nut", "wing_nut", "stud_with_threads"),
     *("dome_nut", "coupling_nut", "banjo_bolt", "wood_screw", "square_socket_plug"),
+    *("collar_plug", "hexagon_plug", "hollow_bolt", "vented_screw", "shoulder_screw", "dog_point_screw"),
+    *("short_bolt", "short_cap_screw", "wing_screw", "carriage_bolt"),
 ]
 OTHERS = [
     *("washer", "pin", "dowel", "clevis_pin", "rivet", "tube", "flanged_bush", "cylinder", "cup", "shaft"),
     *("keyed_shaft", "hexagon_bar", "box", "square_tube", "union", "gear", "knob", "plate_with_holes"),
     *("grooved_block", "grooved_disc", "socket_tool", "standoff", "hexagon_flange", "square_plate_with_boss"),
     *("lever", "spline_shaft", "slotted_bush", "pulley"),
+    *("hexagon_shaft", "spacer", "hose_nipple", "valve_body", "reducer", "hub_flange", "hexagon_hub"),
+    *("stepped_pin", "stepped_bush"),
 ]
 
 

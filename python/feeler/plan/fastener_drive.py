@@ -20,6 +20,10 @@ MOST_DEPTH = 0.8
 """The greatest depth of a recess, as a share of the shape's height: deeper ones are bores."""
 SLIVER = 1e-3
 """Triangles with a smaller share of the walls that face the axis are ignored."""
+OPEN = 0.1
+"""How near the lower end an inner wall must come to belong to a bore open there, as a share of the shape's height."""
+WIDER = 1.03
+"""Radius of a wall's farthest corner, relative to the bore's, beyond which it belongs to a recess."""
 TOP = 0.2
 """How far below the upper end a recess may begin, as a share of its depth, because of domes and chamfers."""
 LOBES = (1.12, 1.7)
@@ -67,6 +71,7 @@ def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
     inner = np.flatnonzero(is_inner & (walls.area > SLIVER * walls.area[is_inner].sum()))
     if not len(inner):
         return None
+    inner = _beside_bore(walls, inner, low + OPEN * (high - low))
     z = walls.corners[inner][:, :, 2]
     floor, depth = float(z.min()), high - float(z.min())
     if depth > MOST_DEPTH * (high - low):
@@ -90,6 +95,19 @@ def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
         return None
     drive, width = found
     return Recess(drive, width, outline.reach, inner)
+
+
+def _beside_bore(walls: Walls, inner: Ints, end: float) -> Ints:
+    """The inner walls without those of a bore that is open below `end` and narrower than the others.
+
+    A recess lies outside the bore that runs into it. All inner walls if none is wider than the bore.
+    """
+    reach = np.linalg.norm(walls.corners[inner][..., :2], axis=2).max(axis=1)
+    is_open = walls.corners[inner][..., 2].min(axis=1) < end
+    if not is_open.any():
+        return inner
+    rest = inner[reach > WIDER * float(reach[is_open].max())]
+    return rest if len(rest) else inner
 
 
 def _cut(corners: Floats, level: float) -> tuple[Floats, Floats]:

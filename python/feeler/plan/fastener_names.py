@@ -14,7 +14,8 @@ PIPES = (
 
 KINDS = {
     "bolt": "bolt bolts hexbolt setbolt bolzen sechskantschraube perno tornillo boulon bullone",
-    "screw": "screw screws capscrew setscrew grubscrew machinescrew schraube zylinderschraube vis vite shcs",
+    "screw": "screw screws capscrew setscrew grubscrew machinescrew thumbscrew thumbscrews wingscrew wingscrews "
+    "schraube zylinderschraube gewindestift gewindestifte vis vite shcs",
     "nut": "nut nuts hexnut locknut wingnut jamnut capnut unionnut mutter sechskantmutter ecrou tuerca dado",
     "stud": "stud studs stiftschraube gewindestange goujon",
 }
@@ -24,10 +25,10 @@ ENDINGS = {"mutter": "nut", "muttern": "nut", "schraube": "screw", "schrauben": 
 """How words end that are two in one, such as "Flügelmutter"."""
 
 STANDARDS = {
-    "bolt": "931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
-    "screw": "84 912 913 914 915 916 963 964 965 966 1207 1580 2009 4026 4029 4762 7045 7046 7047 7380 7984 7985 7991 "
-    "10642",
-    "nut": "934 936 439 555 985 982 1587 4032 4033 4034 4035 6923 7040 10511",
+    "bolt": "603 609 910 931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
+    "screw": "84 316 906 908 912 913 914 915 916 923 963 964 965 966 1207 1580 2009 4026 4027 4028 4029 4762 "
+    "7045 7046 7047 7379 7380 7984 7985 7991 10642",
+    "nut": "315 934 936 439 555 985 982 1587 4032 4033 4034 4035 6923 7040 10511",
     "stud": "835 938 939 976",
 }
 """Numbers of DIN and ISO standards by kind of fastener."""
@@ -62,7 +63,7 @@ RETAINER_STANDARDS = {
 }
 """Numbers of DIN and ISO standards by kind of retainer."""
 
-SUPPORTING = "plug plugs sensor sensors"
+SUPPORTING = "plug plugs stopfen verschlussstopfen ablassstopfen bouchon bouchons tappo tapon sensor sensors"
 """Words that confirm a likely shape but make no fastener of another one: plugs and sensors with a hexagon are screwed
 in."""
 

@@ -8,67 +8,52 @@ head separates bolts from nuts.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.plan.fastener_drive import Recess, Walls, recess_of
+from feeler.plan.fastener_forms import LESS_USUAL, is_domed, is_shaft, wing_screw
+from feeler.plan.fastener_view import (
+    BORE_TO_FLATS,
+    FLAT_SOCKETS,
+    HEAD_HEIGHTS,
+    HEAD_TO_SHANK,
+    HEADLESS_RECESS,
+    MOST_HEAD,
+    MOST_HEAD_WIDTH,
+    PRISMS,
+    SLOT_TO_HEAD,
+    THREAD_TO_FLATS,
+    TOP_SHARE,
+    WALL_SLOPE,
+    Found,
+    View,
+    article,
+    bearing_of,
+    frame_of,
+    mm,
+    shank_of,
+    view_along,
+    wings_of,
+)
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-WALL_SLOPE = 0.17
-"""Sine of the largest angle between a wall and the axis: 10 degrees; flanks of threads and chamfers lean more."""
-SAME_RADIUS = 0.012
-"""Walls whose distances differ by less than this share of the shape's radius are one body, because of rounded
-coordinates and drafts."""
-DIRECTION_DEG = 3.0
-"""Directions of walls that differ by less are one: those of a hexagon are 60 degrees apart."""
-LEAST_DIRECTION = 0.4
-"""The least side of a hexagon, as a share of the mean one."""
 ALIKE = 0.03
 """Principal values that differ by less, as a share of their sum, count as equal: threads and marks change them."""
-LEAST_BODY = 0.02
-"""Bodies with a smaller share of the walls are details."""
-LEAST_GROUP = 0.002
-"""Walls at one distance with a smaller share of all walls are ignored."""
 LEAST_ROUND = 0.68
 """The least width across the axis, relative to the greatest: 0.71 for a square. Only wing nuts are narrower."""
-LEAST_SYMMETRIC = 0.8
-"""The least share of the walls in bodies about the axis: a shape with more other walls is not a fastener."""
-TOP_SHARE = 0.25
-"""How far a head's top may rise above its walls, as a share of their height, because of chamfers and domes; the sleeves
-of pipe unions rise more."""
-SHANK_SLENDER = 0.7
-"""The least length of a shank, in diameters."""
-CORNERS = {4: (1.3, 1.45), 6: (1.0, 1.2), 12: (1.12, 1.19)}
-"""Radius of the corners, relative to that of the sides: a square, a hexagon, and two hexagons turned by 30 degrees. A
-cylinder with twelve facets has 1.035; walls of slots are longer."""
-PRISMS = {4: "square", 6: "hexagon", 12: "12-point"}
-"""Drives with the tool on the outside."""
-FLAT_SOCKETS = ("square socket", "hexagon socket", "12-point socket")
-"""Recesses with a width across flats."""
 SQUARE_HEAD = (0.4, 1.1)
 """Height of a square head, relative to its shank's diameter: blocks with a boss are flatter or higher."""
-HEAD_HEIGHTS = (0.12, 1.5)
-"""Height of a head, relative to its width across flats: 0.4 in the standards; standoffs are longer."""
 SQUARE_NUT = 0.5
 """The least height of a square nut, relative to half its width: square washers are flatter."""
 BODY_TO_FLATS = (0.5, 0.95)
 """Width of the body beyond a sensor's hexagon, relative to the width across flats: a wrench goes around it."""
 HEADLESS_SLENDER = 0.7
 """The least length of a set screw, in diameters."""
-HEADLESS_RECESS = 0.72
-"""The greatest corner radius of a set screw's recess, relative to its radius: walls of tools and bushes are thinner."""
-MOST_HEAD = 1.35
-"""The greatest height of a round head with a recess, relative to its shank's diameter."""
-MOST_HEAD_WIDTH = 3.0
-"""The greatest diameter of such a head, relative to its shank's."""
-SLOT_TO_HEAD = 0.25
-"""The greatest width of a slot, relative to its head's diameter: 0.15 in the standards; slots of couplings are
-wider."""
 WING_BORE = (0.3, 0.75)
 """A wing nut's bore, relative to its hub."""
 CORE = (0.75, 0.97)
@@ -77,12 +62,8 @@ WIDEST_STUD_M = 0.0251
 """The widest stud recognised by its two threads alone: thicker rods of this form are usually shafts."""
 STUD_SLENDER = 3.0
 """The least length of a stud, in diameters."""
-THREAD_TO_FLATS = (0.3, 0.88)
-"""Thread diameter, relative to the width across flats: 0.5 to 0.67 in the standards, up to 0.8 for flanged heads."""
 STEPPED = 1.1
 """A bore that is wider than another by this factor makes a step."""
-BORE_TO_FLATS = (0.3, 0.68)
-"""A nut's bore, relative to its width across flats: at most 0.67 in the standards."""
 BORE_TO_12_POINT = 0.86
 """The same limit for a 12-point nut: M8 has 10 mm across flats."""
 WIDEST_FLANGE = 2.0
@@ -93,11 +74,11 @@ PRISM_HEIGHT = (0.25, 1.0)
 """The same for a prism that represents a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
 """The widest shank, and width across flats, of ambiguous shapes: larger parts of such a shape are seldom fasteners."""
-HEAD_TO_SHANK = (1.4, 2.4)
-"""Diameter of a round head, relative to its shank's: 1.5 for socket heads, 2 for pan heads."""
 HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head, relative to its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
+
+_Form = Callable[[View], Found | None]
 
 _TURNS = np.arange(4) * (np.pi / 4.0)
 _AROUND = np.stack([np.cos(_TURNS), np.sin(_TURNS)], axis=1)
@@ -133,67 +114,6 @@ class Looks:
     """Whether other things have this shape as often, so that the name decides."""
 
 
-@dataclass(frozen=True)
-class _Body:
-    """Walls at one distance from the axis."""
-
-    radius: float
-    is_inside: bool
-    directions: int
-    sides: int
-    """4, 6 or 12 for a square, a hexagon, or two hexagons turned by 30 degrees; 0: round."""
-    low: float
-    high: float
-    share: float
-    """Share of the area of all walls."""
-
-    @property
-    def height(self) -> float:
-        return self.high - self.low
-
-
-@dataclass(frozen=True, eq=False)
-class _View:
-    """A shape along one axis."""
-
-    bodies: list[_Body]
-    z: Floats
-    """Of the corners of the triangles, along the axis, from the middle."""
-    r: Floats
-    across: Floats
-    """(n, 2): the same corners across the axis."""
-    recesses: tuple[Recess | None, Recess | None]
-    """At the upper and at the lower end."""
-
-    @property
-    def low(self) -> float:
-        return float(self.z.min())
-
-    @property
-    def high(self) -> float:
-        return float(self.z.max())
-
-    def flipped(self) -> _View:
-        """Seen from the other end."""
-        bodies = [_Body(b.radius, b.is_inside, b.directions, b.sides, -b.high, -b.low, b.share) for b in self.bodies]
-        return _View(bodies, -self.z, self.r, self.across, self.recesses[::-1])
-
-    def outer(self) -> list[_Body]:
-        return [b for b in self.bodies if not b.is_inside]
-
-    def inner(self) -> list[_Body]:
-        return [b for b in self.bodies if b.is_inside]
-
-    def is_hollow(self) -> bool:
-        """Whether a bore goes right through."""
-        inner, full = self.inner(), self.high - self.low
-        is_open = [
-            any(b.low < self.low + 0.1 * full for b in inner),
-            any(b.high > self.high - 0.1 * full for b in inner),
-        ]
-        return all(is_open) and sum(b.height for b in inner) > 0.7 * full
-
-
 def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
     """The recognised shape; None if it is not like a fastener. `vertices` (n, 3), `faces` (m, 3)."""
     corners = vertices[faces]
@@ -207,16 +127,21 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
     if float(np.einsum("ni,ni,n->", normals, corners.mean(axis=1) - centre, area)) < 0.0:
         normals = -normals  # the mesh is wound inside out
     best: Looks | None = None
+    views: list[tuple[View, Floats]] = []
     for rough in _axes(corners, area, normals, centre):
         axis = _along_walls(area, normals, rough)
-        view = _view(corners, area, normals, centre, axis) if _is_round(vertices - centre, axis) else None
+        view = view_along(corners, area, normals, centre, axis) if _is_round(vertices - centre, axis) else None
         if view is None:
             continue
-        found = _recognised(view, axis, centre)
+        views.append((view, axis))
+        found = _recognised(view, axis, centre, _USUAL)
         if found is not None and found.is_strong:
             return found
         best = best or found
-    return best
+    if best is not None:
+        return best
+    rare = [_recognised(view, axis, centre, LESS_USUAL) for view, axis in views]
+    return next((found for found in sorted(filter(None, rare), key=lambda found: not found.is_strong)), None)
 
 
 def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
@@ -298,117 +223,21 @@ def _surface_moment(corners: Floats, area: Floats) -> Floats:
     return np.asarray(np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total))
 
 
-def _frame(axis: Floats) -> Floats:
-    """(3, 3): two rows across an axis, and one along it."""
-    x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(axis, x), axis])
-
-
 def _is_round(offset: Floats, axis: Floats) -> bool:
     """Whether a shape's corners, from its middle, spread equally in all directions across an axis, except for wings."""
-    across = offset @ _frame(axis)[:2].T
+    across = offset @ frame_of(axis)[:2].T
     around = across @ _AROUND.T
     widths = around.max(axis=0) - around.min(axis=0)
     if widths.min() >= LEAST_ROUND * widths.max():
         return True
-    return _wings(across, np.hypot(across[:, 0], across[:, 1])) is not None
+    return wings_of(across, np.hypot(across[:, 0], across[:, 1])) is not None
 
 
-def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
-    """The shape along an axis; None if it is not symmetric about it."""
-    frame = _frame(axis)
-    points, turned = (corners - centre) @ frame.T, normals @ frame.T
-    r = np.hypot(points[..., 0], points[..., 1])
-    z = points[..., 2]
-    rest = points.reshape(-1, 3)
-    wall = np.abs(turned[:, 2]) < WALL_SLOPE
-    total = float(area[wall].sum())
-    if not total > 0.02 * float(area.sum()):
-        return None
-    across = turned[wall, :2] / np.linalg.norm(turned[wall, :2], axis=1)[:, None]
-    distance = np.einsum("ij,ij->i", across, points[wall].mean(axis=1)[:, :2])
-    walls = Walls(points[wall], across, distance, area[wall])
-    recesses = (
-        recess_of(walls, float(z.min()), float(z.max())),
-        recess_of(walls.flipped(), -float(z.max()), -float(z.min())),
-    )
-    angle = np.degrees(np.arctan2(across[:, 1], across[:, 0]))
-    farthest = r[wall].max(axis=1)
-    gap = SAME_RADIUS * float(r.max())
-    order = np.argsort(distance)
-    groups = np.split(order, np.flatnonzero(np.diff(distance[order]) > gap) + 1)
-    weights, heights = area[wall], z[wall]
-    is_cut = np.zeros(len(weights), dtype=bool)
-    for recess in recesses:
-        if recess is not None:
-            is_cut[recess.walls] = True
-    whole = float(weights[~is_cut].sum())
-    bodies = []
-    for group in groups:
-        if weights[group].sum() < LEAST_GROUP * total:
-            continue
-        body = _body(distance[group], angle[group], weights[group], heights[group], farthest[group], whole or total)
-        if body is not None:
-            bodies.append(body)
-    share = sum(body.share for body in bodies if not (body.is_inside and any(recesses)))
-    if share < LEAST_SYMMETRIC and _wings(rest[:, :2], r.reshape(-1)) is None:
-        return None
-    kept = [body for body in bodies if body.share >= LEAST_BODY]
-    return _View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses)
-
-
-def _body(
-    distance: Floats, angle: Floats, weight: Floats, heights: Floats, farthest: Floats, total: float
-) -> _Body | None:
-    """Walls at about one distance, if they surround the axis evenly."""
-    sides = np.round(angle / DIRECTION_DEG).astype(np.int64)
-    # Directions of a hexagon may fall on both sides of a step's border: neighbours count as one.
-    order = np.argsort(angle)
-    new = np.flatnonzero(np.diff(angle[order]) > DIRECTION_DEG) + 1
-    runs = np.split(order, new)
-    if len(runs) > 1 and angle[runs[0][0]] + 360.0 - angle[runs[-1][-1]] <= DIRECTION_DEG:
-        runs[0] = np.concatenate([runs.pop(), runs[0]])
-    areas = np.array([weight[run].sum() for run in runs])
-    turn = np.radians(angle)
-    lean = abs(complex((weight * np.cos(turn)).sum(), (weight * np.sin(turn)).sum())) / weight.sum()
-    if lean > 0.1:
-        return None
-    # A fine cylinder is one run all around.
-    count = len(np.unique(sides)) if len(runs) < 3 else len(runs)
-    middle = float(np.average(distance, weights=weight))
-    out = float(farthest.max()) / max(abs(middle), 1e-300)
-    prism = 0
-    if len(runs) in CORNERS and areas.min() > LEAST_DIRECTION * areas.mean():
-        low, high = CORNERS[len(runs)]
-        phase = complex((weight * np.cos(len(runs) * turn)).sum(), (weight * np.sin(len(runs) * turn)).sum())
-        prism = len(runs) if abs(phase) > 0.97 * weight.sum() and low <= out <= high else 0
-    if count < 5 and prism != 4:
-        return None
-    share = float(weight.sum()) / total
-    return _Body(abs(middle), middle < 0, count, prism, float(heights.min()), float(heights.max()), share)
-
-
-def _wings(across: Floats, r: Floats) -> tuple[float, float] | None:
-    """Radius of the hub, and of its two wings; None without wings."""
-    reach = float(r.max())
-    far = across[r > 0.85 * reach]
-    turn = 0.5 * np.angle(np.sum((far[:, 0] + 1j * far[:, 1]) ** 2))  # the middle of both wings, not a corner of one
-    tip = np.array([np.cos(turn), np.sin(turn)])
-    along, beside = np.abs(across @ tip), np.abs(across @ np.array([-tip[1], tip[0]]))
-    thick = float(beside[r > 0.85 * reach].max())
-    sides = across @ tip
-    hub = float(beside.max())
-    if not (hub < 0.62 * reach and thick < 0.3 * hub and float(sides.min()) < -0.95 * reach):
-        return None
-    wing = along > 1.1 * hub
-    return (hub, reach) if float(beside[wing].max()) < 0.6 * hub else None
-
-
-def _recognised(view: _View, axis: Floats, centre: Floats) -> Looks | None:
+def _recognised(view: View, axis: Floats, centre: Floats, forms: Sequence[_Form]) -> Looks | None:
+    """The first strong form among some, else the first weak one."""
     weak = None
     for sign, seen in ((1.0, view), (-1.0, view.flipped())):
-        for look in (_bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism):
+        for look in forms:
             found = look(seen)
             if found is None:
                 continue
@@ -436,44 +265,7 @@ def _recognised(view: _View, axis: Floats, centre: Floats) -> Looks | None:
     return weak
 
 
-@dataclass(frozen=True)
-class _Found:
-    """The values for `Looks`, along the view's axis."""
-
-    kind: str
-    size: float
-    flats: float
-    length: float
-    head: float
-    ring: float
-    because: str
-    drive: str = ""
-    is_two_sided: bool = False
-    is_strong: bool = True
-    top: float | None = None
-    """None: the upper end."""
-    is_known_by_name: bool = False
-
-
-def _shank(view: _View, under: float, wide: float) -> tuple[float, float] | None:
-    """Radius and length of the shape below a head that ends at `under` and has walls at `wide` from the axis."""
-    length = under - view.low
-    below = view.r[view.z < under - 0.35 * length]
-    if not len(below) or length <= 0:
-        return None
-    radius = float(below.max())
-    if length < SHANK_SLENDER * 2.0 * radius or not radius < wide:
-        return None
-    return radius, length
-
-
-def _bearing(view: _View, radius: float, wide: float) -> float:
-    """The height at which a head of radius `wide` bears on the joint: the end of all that is wider than the shank."""
-    head = view.z[view.r > radius + 0.35 * (wide - radius)]
-    return float(head.min())
-
-
-def _bolt(view: _View) -> _Found | None:
+def _bolt(view: View) -> Found | None:
     prisms = [b for b in view.outer() if b.sides]
     if not prisms or view.is_hollow():
         return None
@@ -481,7 +273,7 @@ def _bolt(view: _View) -> _Found | None:
     full = view.high - view.low
     if any(b.high > view.high - 0.1 * full and b.radius > BORE_TO_FLATS[0] * head.radius for b in view.inner()):
         return None  # a bore from above: a domed nut from below
-    shank = _shank(view, head.low, head.radius)
+    shank = shank_of(view, head.low, head.radius)
     if shank is None or not THREAD_TO_FLATS[0] <= shank[0] / head.radius <= THREAD_TO_FLATS[1]:
         return None
     radius = shank[0]
@@ -489,17 +281,17 @@ def _bolt(view: _View) -> _Found | None:
         return None  # a round head that is cut as coarsely as its shank
     if any(b.sides == 4 and b is not head and b.radius > 1.2 * radius for b in prisms):
         return None  # a plate under it
-    bearing = _bearing(view, radius, head.radius)
+    bearing = bearing_of(view, radius, head.radius)
     flats, length, height = 2.0 * head.radius, bearing - view.low, view.high - bearing
     if not HEAD_HEIGHTS[0] <= head.height / flats <= HEAD_HEIGHTS[1]:
         return None  # a plate, or a standoff
     name = PRISMS[head.sides]
-    because = f"{_a(name)}, {_mm(flats)} across flats, on a shank of {_mm(2.0 * radius)}"
+    because = f"{article(name)}, {mm(flats)} across flats, on a shank of {mm(2.0 * radius)}"
     beyond = view.high - head.high
-    top, is_known_by_name = None, False
-    is_strong = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
-    is_domed = beyond < head.height and not any(b.high > head.high + 0.1 * beyond for b in view.outer())
-    if beyond > TOP_SHARE * head.height and not is_domed:
+    top, is_known_by_name = None, is_shaft(view, bearing, radius)
+    is_usual = head.sides != 4 or (SQUARE_HEAD[0] <= height / (2.0 * radius) <= SQUARE_HEAD[1])
+    is_strong = is_usual and not is_known_by_name
+    if beyond > TOP_SHARE * head.height and not is_domed(view, head):
         # A sensor: its hexagon lies between a thread and a body that a wrench goes around.
         if head.sides != 6 or beyond > 2.0 * head.height or length > 2.5 * head.height:
             return None
@@ -515,12 +307,12 @@ def _bolt(view: _View) -> _Found | None:
     is_coarse = any(b.sides == 6 and b.radius < 0.97 * head.radius for b in prisms)
     kind = "head" if is_coarse and head.sides == 6 else "bolt"
     ring = 0.9 * head.radius
-    return _Found(
+    return Found(
         *(kind, 2.0 * radius, flats, length, height, ring, because, name, False, is_strong, top, is_known_by_name)
     )
 
 
-def _recessed_screw(view: _View) -> _Found | None:
+def _recessed_screw(view: View) -> Found | None:
     recess, outer = view.recesses[0], view.outer()
     if recess is None or not outer or view.is_hollow():
         return None
@@ -542,21 +334,21 @@ def _recessed_screw(view: _View) -> _Found | None:
         if len(outer) > 1 and min(b.radius for b in outer) < 0.7 * radius:
             return None
     else:
-        is_high = view.high - _bearing(view, radius, head) > MOST_HEAD * 2.0 * radius
+        is_high = view.high - bearing_of(view, radius, head) > MOST_HEAD * 2.0 * radius
         if is_high or full < 1.3 * radius or not HEAD_TO_SHANK[0] <= head / radius <= MOST_HEAD_WIDTH:
             return None
     if recess.drive == "slot" and not recess.width < SLOT_TO_HEAD * 2.0 * head:
         return None
-    bearing = view.high if is_headless else _bearing(view, radius, head)
+    bearing = view.high if is_headless else bearing_of(view, radius, head)
     flats = recess.width if recess.drive in FLAT_SOCKETS else np.nan
-    width = f", {_mm(flats)} across flats," if flats == flats else ""
+    width = f", {mm(flats)} across flats," if flats == flats else ""
     where = "in a rod" if is_headless else "in a round head"
-    because = f"{_a(recess.drive)}{width} {where}"
+    because = f"{article(recess.drive)}{width} {where}"
     length = full if is_headless else bearing - view.low
-    return _Found("screw", 2.0 * radius, flats, length, view.high - bearing, head, because, recess.drive)
+    return Found("screw", 2.0 * radius, flats, length, view.high - bearing, head, because, recess.drive)
 
 
-def _nut(view: _View) -> _Found | None:
+def _nut(view: View) -> Found | None:
     prisms = [b for b in view.outer() if b.sides]
     bores = [b for b in view.inner() if b.sides or b.directions != 6]  # six directions may be a castle nut's slots
     if not prisms or not bores:
@@ -583,7 +375,7 @@ def _nut(view: _View) -> _Found | None:
         return None  # a square washer
     flats, ring = 2.0 * body.radius, 0.5 * (bore.radius + body.radius)
     size, name = 2.0 * least, PRISMS[body.sides]
-    because = f"{_a(name)}, {_mm(flats)} across flats, with a bore of {_mm(size)}"
+    because = f"{article(name)}, {mm(flats)} across flats, with a bore of {mm(size)}"
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
@@ -602,11 +394,11 @@ def _nut(view: _View) -> _Found | None:
             return None
         is_two_sided = False
     is_strong = body.sides != 4
-    return _Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong)
+    return Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong)
 
 
-def _wing_nut(view: _View) -> _Found | None:
-    wings = _wings(view.across, view.r)
+def _wing_nut(view: View) -> Found | None:
+    wings = wings_of(view.across, view.r)
     bores = [b for b in view.inner() if not b.sides or b.directions == 6]
     if wings is None or not bores:
         return None
@@ -620,12 +412,12 @@ def _wing_nut(view: _View) -> _Found | None:
     is_risen = view.high > high - 1e-9 and low > view.low + 0.02 * full
     if not is_risen:
         return None
-    because = f"two wings on a hub of {_mm(2.0 * hub)}, with a bore of {_mm(2.0 * least)}"
+    because = f"two wings on a hub of {mm(2.0 * hub)}, with a bore of {mm(2.0 * least)}"
     size, ring = 2.0 * least, 0.5 * (bore + hub)
-    return _Found("nut", size, np.nan, full, full, ring, because, "wings", False, view.high > 1.02 * high)
+    return Found("nut", size, np.nan, full, full, ring, because, "wings", False, view.high > 1.02 * high)
 
 
-def _stud(view: _View) -> _Found | None:
+def _stud(view: View) -> Found | None:
     """A shank between two threads drawn with the core's diameter, each with a chamfered end."""
     outer = [b for b in view.outer() if not b.sides or b.directions >= 6]
     if len(outer) != 2 or view.inner() or any(view.recesses):
@@ -640,34 +432,36 @@ def _stud(view: _View) -> _Found | None:
     if max(ends) > 0.97 * float(view.r[view.z > view.high - 0.2 * full].max()) or 2.0 * shank.radius > WIDEST_STUD_M:
         return None
     size = 2.0 * float(view.r.max())
-    because = f"a shank of {_mm(size)} between two threads"
-    return _Found("stud", size, np.nan, full, np.nan, 0.7 * core.radius, because, "", True, False)
+    because = f"a shank of {mm(size)} between two threads"
+    return Found("stud", size, np.nan, full, np.nan, 0.7 * core.radius, because, "", True, False)
 
 
-def _round_screw(view: _View) -> _Found | None:
+def _round_screw(view: View) -> Found | None:
     outer = [b for b in view.outer() if b.directions >= 5]
     if len(outer) < 2 or view.inner() or any(view.recesses):
         return None
     head = max(outer, key=lambda b: b.radius)
     if view.high - head.high > 0.6 * head.height:
         return None
-    shank = _shank(view, head.low, head.radius)
+    shank = shank_of(view, head.low, head.radius)
     if shank is None or 2.0 * shank[0] > 0.75 * WIDEST_WEAK_M:
         return None
     radius = shank[0]
-    bearing = _bearing(view, radius, head.radius)
+    bearing = bearing_of(view, radius, head.radius)
+    if is_shaft(view, bearing, radius):
+        return None
     height = view.high - bearing
     wide = float(view.r[view.z > bearing + 0.2 * height].max())
     if not HEAD_TO_SHANK[0] <= wide / radius <= HEAD_TO_SHANK[1]:
         return None
     if not HEAD_HEIGHT[0] <= height / (2.0 * radius) <= HEAD_HEIGHT[1]:
         return None
-    because = f"a round head of {_mm(2.0 * wide)} on a shank of {_mm(2.0 * radius)}"
+    because = f"a round head of {mm(2.0 * wide)} on a shank of {mm(2.0 * radius)}"
     ring = 0.9 * head.radius
-    return _Found("screw", 2.0 * radius, np.nan, bearing - view.low, height, ring, because, is_strong=False)
+    return Found("screw", 2.0 * radius, np.nan, bearing - view.low, height, ring, because, is_strong=False)
 
 
-def _prism(view: _View) -> _Found | None:
+def _prism(view: View) -> Found | None:
     outer = view.outer()
     if len(outer) != 1 or outer[0].sides != 6 or view.inner():
         return None
@@ -677,13 +471,8 @@ def _prism(view: _View) -> _Found | None:
     flats = 2.0 * body.radius
     if flats > WIDEST_WEAK_M:
         return None
-    because, ring = f"a hexagon, {_mm(flats)} across flats", 0.6 * body.radius
-    return _Found("prism", np.nan, flats, np.nan, full, ring, because, PRISMS[6], True, False)
+    because, ring = f"a hexagon, {mm(flats)} across flats", 0.6 * body.radius
+    return Found("prism", np.nan, flats, np.nan, full, ring, because, PRISMS[6], True, False)
 
 
-def _a(thing: str) -> str:
-    return f"a {thing}"
-
-
-def _mm(metres: float) -> str:
-    return f"{1e3 * metres:.3g} mm"
+_USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
