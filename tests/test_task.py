@@ -238,6 +238,12 @@ def test_several_tools_and_their_options(covered: feeler.Scene) -> None:
             feeler.task(covered, "cover", bad)
 
 
+def test_a_plan_without_fasteners_says_so() -> None:
+    scene = scene_of(lid=box((0.0, 0.0, 0.01), (0.1, 0.1, 0.02)), base=box((0.0, 0.0, 0.0), (0.4, 0.1, 0.0099)))
+    (note,) = [note for note in feeler.task(scene, "lid").notes if "fastener," in note]
+    assert "the unit" in note and "400 mm long" in note
+
+
 def test_a_table_of_times_is_a_file(tmp_path: Path) -> None:
     times = feeler.Times({"get": [5.0, 1.0]}, pitches_mm={'*"x"\\*': 1.5}, typed={"*bolt*": 9.0})
     times.save(tmp_path / "times.toml")

@@ -19,7 +19,7 @@ def size_note(length_m: float, units: list[Unit]) -> str | None:
     none."""
     if SHORTEST_M <= length_m <= LONGEST_M:
         return None
-    size = f"{_length(length_m)} long"
+    size = f"{length_text(length_m)} long"
     if len(set(units)) != 1:
         return f"{size}: check the units of its files"
     for name, words in _USUAL:
@@ -28,7 +28,8 @@ def size_note(length_m: float, units: list[Unit]) -> str | None:
     return f"{size}: check the unit ({units[0].name}), and the file for parts far from the rest"
 
 
-def _length(metres: float) -> str:
+def length_text(metres: float) -> str:
+    """A length in words, in millimetres or metres."""
     if metres < 1.0:
         return f"{metres * 1000.0:.3g} mm"
     return f"{metres:,.0f} m" if 100.0 <= metres < 1e9 else f"{metres:.3g} m"

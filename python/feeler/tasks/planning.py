@@ -14,7 +14,9 @@ import numpy.typing as npt
 
 from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole, shown
 from feeler.errors import OptionError
+from feeler.io.plausible import length_text
 from feeler.parts import PartsLike
+from feeler.plan.blocking import box_of_parts
 from feeler.plan.fasteners import Fasteners, find_fasteners
 from feeler.plan.question import TARGET
 from feeler.plan.removal import LARGEST_SEED
@@ -441,6 +443,10 @@ class _Planner:
         spent = max((slot.end for slot in slots), default=0.0)
         bound = found.bound if self.people == 1 else max(found.bound / self.people, self.search.longest())
         notes = []
+        if not any(True for _ in self.actions.fixings):
+            low, high = box_of_parts(self.actions.question.scene)
+            size = length_text(float((high - low).max()))
+            notes.append(f"No part looks like a fastener, so nothing is undone. Is the unit right? All is {size} long.")
         if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
