@@ -9,6 +9,7 @@ by its own rule.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -443,8 +444,8 @@ class Mover:
         kept = self.question.kept
         opposed = self.opposed(direction)
         found = opposed - self.doubtful
-        if not found & kept:
-            found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
+        if not found & kept and len(found) <= most:
+            found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found, most - len(found))
         first, hits = _numbers(found), list[PartNumber]()
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
         pose, end = np.eye(4), self._moved(direction, far)
@@ -464,31 +465,37 @@ class Mover:
                 hits.append(PartNumber(hit.part))
         return [first, hits, False]
 
-    def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
-        """The parts that it enters deeper along a direction than at the start, by samples."""
-        left = sorted(parts)
+    def _deeper(self, direction: Direction, parts: set[int], most: int = sys.maxsize) -> set[int]:
+        """The parts that it enters deeper along a direction than at the start, by samples; no others once these are
+        more than `most`."""
         found: set[int] = set()
+        waiting = sorted(parts)
+        while waiting and len(found) <= most and self.graph.clock.goes_on():
+            found |= self._few_deeper(direction, waiting[:DEPTHS_AT_ONCE])
+            waiting = waiting[DEPTHS_AT_ONCE:]
+        return found
+
+    def _few_deeper(self, direction: Direction, parts: list[int]) -> set[int]:
+        """Those of a few parts that it enters deeper."""
+        left, found = parts, set[int]()
         way = self._far(direction)
-        at_start = self._depths(left, np.eye(4)) if left else {}
+        at_start = self._depths(left, np.eye(4))
+        limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * at_start.get(part, 0.0) for part in left}
         for share in DEPTH_SHARES:
             if not left or share * self.size > way or not self.graph.clock.goes_on():
                 break
             depths = self._depths(left, self._moved(direction, share * self.size))
-            limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * at_start.get(part, 0.0) for part in left}
             found |= {part for part in left if depths.get(part, 0.0) > max(limits[part], self.graph.overlap)}
             left = [part for part in left if part not in found]
         return found
 
     def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
-        """The depth in each part that it is in; where time is up, in the first of them."""
+        """The depth in each of a few parts that it is in."""
+        self.graph.clock.look()
         found: dict[int, float] = {}
-        for start in range(0, len(parts), DEPTHS_AT_ONCE):
-            if start and not self.graph.clock.goes_on():
-                break
-            self.graph.clock.look()
-            depths = self.rest.only(parts[start : start + DEPTHS_AT_ONCE]).depth(self.tool, pose)
-            for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
-                found[part] = max(depth, found.get(part, 0.0))
+        depths = self.rest.only(parts).depth(self.tool, pose)
+        for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
+            found[part] = max(depth, found.get(part, 0.0))
         return found
 
     def _moved(self, direction: Direction, by: float) -> Floats:
