@@ -1,4 +1,4 @@
-"""Plans of random assemblies of at most 7 parts against exhaustive search over all states.
+"""Plans of random assemblies of at most 9 parts against exhaustive search over all states.
 
     python bench/tasks/run.py              300 assemblies; some minutes
     python bench/tasks/run.py 40 --first 1000

@@ -9,6 +9,7 @@ by its own rule.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -506,8 +507,8 @@ class Mover:
         kept = self.question.kept
         opposed = self.opposed(direction)
         found = opposed - self.doubtful
-        if not found & kept:
-            found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found)
+        if not found & kept and len(found) <= most:
+            found |= self._deeper(direction, {*self.seats, *(opposed & self.doubtful)} - found, most - len(found))
         first, hits = _numbers(found), list[PartNumber]()
         passed = {*found, *self.seats, *self.passed, *self.doubtful}
         pose, end = np.eye(4), self._moved(direction, far)
@@ -527,10 +528,16 @@ class Mover:
                 hits.append(PartNumber(hit.part))
         return [first, hits, False]
 
-    def _deeper(self, direction: Direction, parts: set[int]) -> set[int]:
-        """The parts that it enters deeper along a direction than at the start, by samples; not all of them if the time
-        is up."""
-        return {part for part in sorted(parts) if self._is_deeper(direction, part)}
+    def _deeper(self, direction: Direction, parts: set[int], most: int = sys.maxsize) -> set[int]:
+        """The parts that it enters deeper along a direction than at the start, by samples; no others once these are
+        more than `most`, or if the time is up."""
+        found: set[int] = set()
+        for part in sorted(parts):
+            if len(found) > most or not self.graph.clock.goes_on():
+                break
+            if self._is_deeper(direction, part):
+                found.add(part)
+        return found
 
     def _is_deeper(self, direction: Direction, part: int) -> bool:
         facts = [PartNumber(part), list(direction), self._far(direction), self.graph.overlap]

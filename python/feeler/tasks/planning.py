@@ -421,9 +421,16 @@ class _Planner:
         needs = [self._needed(step.unit) for step in steps]
         for n, step in enumerate(steps):
             elsewhere = sure.union(*(each for m, each in enumerate(needs) if m != n))
-            extra = step.unit.before - elsewhere
-            for item, riding in zip(step.unit.items, step.unit.bodies, strict=False) if extra else ():
-                if actions.is_turned(item) or not self.leading.has_play(item, riding, out - extra):
+            # Parts that leave together may come out alone: a bayonet is turned, which no straight motion is.
+            is_joint = len(step.unit.items) > 1
+            for item, riding in zip(step.unit.items, step.unit.bodies, strict=False):
+                needed = step.unit.before
+                if is_joint:
+                    needed = needs[n].difference(*actions.holders(item, riding))
+                extra = needed - elsewhere
+                if actions.is_turned(item) or not (extra or is_joint):
+                    continue
+                if not (is_joint or self.leading.has_play(item, riding, out - extra)):
                     continue
                 if self.leading.search(item, riding, out - extra):
                     return True
