@@ -98,7 +98,9 @@ class Leading:
         gone = self.actions.gone(out)
         self.clock.tell(f"checking the way of {self._mockup.part_names[parts[0]]}")
         if self._is_last(parts, gone):
-            return Led(True, np.eye(4)[None], "nothing else is left around it")
+            # Parts in each other are no farther apart if all that is left is moved.
+            is_apart = len(unit.items) == 1
+            return Led(is_apart, np.eye(4)[None], "nothing else is left around it" if is_apart else "")
         motion: Any = unit.motion
         if isinstance(motion, Slip):
             return self._of_ring(self.actions.rings.way(motion), parts, gone, STRAIGHT_ROUNDS, True)
