@@ -161,15 +161,17 @@ def test_a_round_gasket_leaves_sideways_in_any_pose() -> None:
         assert [step.paths[-1] for step in task.steps][1:] == ["gasket"] and task.seconds == task.bound
 
 
-def test_pins_leave_holes_of_their_diameter_in_any_pose() -> None:
+@pytest.mark.parametrize("count", [16, 48])
+def test_pins_leave_holes_of_their_diameter_in_any_pose(count: int) -> None:
     """Their facets are flush all around: by rounding some cross, as edges of any normal."""
     hole = [(0.003, 0.0), (0.02, 0.0), (0.02, 0.01), (0.003, 0.01)]
     parts = {
         "base": lathe(
-            [(r, z - 0.0102) for r, z in [(0.0, -0.001), (0.02, -0.001), *hole[2:], (0.003, 0.001), (0.0, 0.001)]]
+            [(r, z - 0.0102) for r, z in [(0.0, -0.001), (0.02, -0.001), *hole[2:], (0.003, 0.001), (0.0, 0.001)]],
+            count,
         ),
-        "cover": lathe(hole),
-        "pin": lathe([(0.0, -0.009), (0.003, -0.009), (0.003, 0.008), (0.0, 0.008)]),
+        "cover": lathe(hole, count),
+        "pin": lathe([(0.0, -0.009), (0.003, -0.009), (0.003, 0.008), (0.0, 0.008)], count),
     }
     for seed in range(8):
         task = feeler.task(scene_of(parts, turn_of(seed)), "pin")

@@ -40,6 +40,8 @@ OPPOSED = 1e-3
 MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 26
 """Contact normals, those that come before the directions along two, and directions, per part. A larger value finds more
 motions of crowded parts, and takes longer."""
+ROUNDING_M = 1e-9
+"""Edges that are no farther apart may cross by rounding."""
 BESIDE_SHARE, MOST_BESIDE = 0.1, 6
 """Round parts look for what stands around them within this share of their size, and leave in at most so many directions
 to it."""
@@ -471,7 +473,7 @@ class Mover:
             (contacts.mockup_triangles, contacts.mockup_offsets, self.rest.mockup),
             (contacts.tool_triangles, contacts.tool_offsets, self.tool),
         )
-        for row in np.flatnonzero(sure & (contacts.gaps < 0.0)):
+        for row in np.flatnonzero(sure & (contacts.gaps <= ROUNDING_M)):
             sure[row] = any(
                 is_face_normal(contacts.normals[row], mesh.vertices[mesh.faces[of[offsets[row] : offsets[row + 1]]]])
                 for of, offsets, mesh in sides
