@@ -85,6 +85,9 @@ def castle_nut(flats: float, bore: float, low: float, foot: float, high: float, 
         first, last = k * math.tau / 6, (k + 1) * math.tau / 6
         out = np.linspace(first + outer_half, last - outer_half, 7)
         back = np.linspace(last - inner_half, first + inner_half, 7)
-        piece = [outer * np.stack([np.cos(out), np.sin(out)], axis=1), bore * np.stack([np.cos(back), np.sin(back)], axis=1)]
+        piece = [
+            outer * np.stack([np.cos(out), np.sin(out)], axis=1),
+            bore * np.stack([np.cos(back), np.sin(back)], axis=1),
+        ]
         pieces.append(plate([np.concatenate(piece)], foot, high))
     return joined(*pieces)

@@ -7,7 +7,7 @@ it has no rigid way: its legs are straightened, or cut, and it is drawn by its h
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
-from feeler.tasks.passing import passed_by
+from feeler.tasks.passing import in_bore, passed_by
 from feeler.tasks.retainers import Retained, pin_rod
 from feeler.tasks.rings import Slipping
 
@@ -28,7 +28,7 @@ INSIDE = 0.9
 """What is this near to the axis of a shank, in its radii, is in it."""
 THIN = 0.6
 """The greatest radius of a cotter pin, in radii of the shank: holes across bolts are narrow."""
-SLENDER = 0.3
+SLENDER = 0.5
 """The greatest spread of it in the shank across its axis, over that along it."""
 ACROSS = 0.2
 """The greatest cosine between its axis and that of the shank."""
@@ -68,8 +68,12 @@ class Shank:
 class Drawing(Slipping):
     """A cotter pin that is drawn by its head until it is out of its hole."""
 
+    is_bent: bool = True
+    """Whether it has bent legs."""
+
     def __str__(self) -> str:
-        return f"its legs are straightened or cut; it is drawn along its axis by {1e3 * self.travel:.3g} mm"
+        how = "its legs are straightened or cut; " if self.is_bent else ""
+        return f"{how}it is drawn along its axis by {1e3 * self.travel:.3g} mm"
 
 
 def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[Retained]:
@@ -83,8 +87,14 @@ def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[
     for row in shanks:
         for part, shank in look.through(row):
             found.setdefault(part, (row, shank))
-    # A pin that another one goes through goes through nothing itself.
-    found = {part: each for part, each in found.items() if each[0].part not in found}
+    for row in look.bare_nuts([row for row in shanks if row.kind != "nut"]):
+        for part, shank in look.through(nut_shank(row, -1)):
+            thread = look.thread(row, part)
+            if thread is not None:
+                found.setdefault(part, (nut_shank(row, thread), shank))
+    # Of two pins one goes through the other: the smaller one.
+    large = {part for part, (row, _) in found.items() if row.part in found and look.sizes[part] > look.sizes[row.part]}
+    found = {part: each for part, each in found.items() if part not in large}
     return look.rows(found)
 
 
@@ -106,6 +116,16 @@ class _Look:
         for part in np.flatnonzero(self.is_free).tolist():
             if retainer_said(mockup.part_names[part]) == "pin" and mockup.part_triangles[part] >= 8:
                 yield pin_rod(mockup.part_paths[part], part, self.meshes.mesh(part)[0])
+
+    def bare_nuts(self, shanks: Sequence[Fastener]) -> list[Fastener]:
+        """The nuts that are on no known shank, but on the thread of a part."""
+        on = {nut for row in shanks for nut, _, _ in self._nuts_on(row)}
+        return [nut for nut in self.nuts if nut.part not in on]
+
+    def thread(self, nut: Fastener, but: int) -> int | None:
+        """The part that a nut is on."""
+        inside = in_bore(self.scene.without(sorted({*self.fasteners, but})), nut)
+        return max(inside, key=lambda each: each.radius).part if inside else None
 
     def through(self, row: Fastener) -> Iterator[tuple[int, Shank]]:
         """The parts in a hole across a shank."""
@@ -187,7 +207,15 @@ def drawings(vertices: Floats, faces: Ints, row: Fastener, reach: float) -> Iter
         share = np.where(is_leg, shank.radius / np.where(radii > 0.0, radii, 1.0), 1.0)[:, None]
         tool = Tool(shank.point + along + share * (local - along), faces.astype(np.uint32), name="cotter pin")
         way = (sign * shank.axis + 0.0).tolist()
-        yield Drawing((way[0], way[1], way[2]), reach - float(heights.min()) + PLAY_M, 0.0, tool, False)
+        travel, is_bent = reach - float(heights.min()) + PLAY_M, bool((is_leg & (radii > EYE * shank.radius)).any())
+        yield Drawing((way[0], way[1], way[2]), travel, 0.0, tool, False, is_bent)
+
+
+def nut_shank(nut: Fastener, part: int) -> Fastener:
+    """The thread of a part that a nut is on, as the shank of a bolt: as far as the nut is high beyond it."""
+    frame = nut.frame.copy()
+    frame[:3, 3] += nut.length * nut.axis
+    return replace(nut, part=part, kind="stud", frame=frame, length=3.0 * nut.length, head_height=np.nan)
 
 
 def _heads(vertices: Floats, faces: Ints, shank: Shank) -> list[float]:
