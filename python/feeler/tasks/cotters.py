@@ -17,7 +17,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
-from feeler.tasks.passing import in_bore, passed_by
+from feeler.tasks.passing import LEVELS, around, in_bore, passed_by
 from feeler.tasks.retainers import Retained, pin_rod
 from feeler.tasks.rings import Slipping
 
@@ -115,7 +115,7 @@ class _Look:
         mockup = self.scene.mockup
         for part in np.flatnonzero(self.is_free).tolist():
             if retainer_said(mockup.part_names[part]) == "pin" and mockup.part_triangles[part] >= 8:
-                yield pin_rod(mockup.part_paths[part], part, self.meshes.mesh(part)[0])
+                yield pin_shank(self.scene, part, self.meshes.mesh(part)[0])
 
     def bare_nuts(self, shanks: Sequence[Fastener]) -> list[Fastener]:
         """The nuts that are on no known shank, but on the thread of a part."""
@@ -164,6 +164,18 @@ class _Look:
             local = ends @ row.frame[:3, :3]
             if float(np.hypot(local[:, 0], local[:, 1]).max()) <= ON_AXIS * row.size:
                 yield nut.part, float(local[:, 2].max()), float(local[:, 2].min())
+
+
+def pin_shank(scene: Scene, part: int, vertices: Floats) -> Fastener:
+    """A pin as a shank, without its head: as wide as it is at most heights."""
+    row = pin_rod(scene.mockup.part_paths[part], part, vertices)
+    far = 2.0 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    ways = around(row.frame)
+    heights = -row.length * (np.arange(LEVELS) + 0.5) / LEVELS
+    starts = row.frame[:3, 3] + heights[:, None, None] * row.axis + far * ways
+    hits = scene.only([part]).rays(starts.reshape(-1, 3), -np.tile(ways, (LEVELS, 1)))
+    met = far - np.asarray(hits.distances)[np.asarray(hits.triangles) >= 0]
+    return replace(row, size=2.0 * float(np.median(met))) if len(met) else row
 
 
 def shank_of(vertices: Floats, faces: Ints, row: Fastener) -> Shank | None:
