@@ -90,7 +90,7 @@ def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[
     for row in look.bare_nuts([row for row in shanks if row.kind != "nut"]):
         for part, shank in look.through(nut_shank(row, -1)):
             thread = look.thread(row, part)
-            if thread is not None:
+            if thread is not None and look.fits(nut_shank(row, thread), part, shank):
                 found.setdefault(part, (nut_shank(row, thread), shank))
     # Of two pins one goes through the other: the smaller one.
     large = {part for part, (row, _) in found.items() if row.part in found and look.sizes[part] > look.sizes[row.part]}
@@ -108,6 +108,7 @@ class _Look:
         self.fasteners = {row.part for row in rows}
         self.is_free = scene.part_mask & (scene.mockup.part_triangles <= MOST_TRIANGLES)
         self.is_free[sorted(self.fasteners | taken)] = False
+        self._meshes: dict[int, tuple[Floats, Ints]] = {}
         self.sizes = np.linalg.norm(self.bounds[:, 1] - self.bounds[:, 0], axis=1)
 
     def pins(self) -> Iterator[Fastener]:
@@ -136,8 +137,20 @@ class _Look:
         near = self.is_free & (self.sizes <= LONGEST * row.size) & (self.sizes >= row.size)
         near &= (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
         for part in np.flatnonzero(near).tolist():
-            if part != row.part and (shank := shank_of(*self.meshes.mesh(part), row)) is not None:
+            if part not in self._meshes:
+                vertices, faces = self.meshes.mesh(part)
+                self._meshes[part] = vertices, _edges(faces)
+            shank = None if part == row.part else _shank_of(*self._meshes[part], row)
+            if shank is not None and self.fits(row, part, shank):
                 yield part, shank
+
+    def fits(self, row: Fastener, part: int, shank: Shank) -> bool:
+        """Whether a part is a cotter pin by its name, or the shank has a hole for it: others are in it by chance."""
+        if row.part < 0 or retainer_said(self.scene.mockup.part_names[part]) == "pin":
+            return True
+        ways = np.stack([shank.axis, -shank.axis])
+        hits = self.scene.only([row.part]).rays(np.tile(shank.point, (2, 1)), ways, within=row.size)
+        return not (np.asarray(hits.triangles) >= 0).any()
 
     def rows(self, found: dict[int, tuple[Fastener, Shank]]) -> list[Retained]:
         """What cotter pins keep on what they go through."""
@@ -180,7 +193,16 @@ def pin_shank(scene: Scene, part: int, vertices: Floats) -> Fastener:
 
 def shank_of(vertices: Floats, faces: Ints, row: Fastener) -> Shank | None:
     """The straight part of a mesh in a hole across the shank of a fastener; None if it goes through none."""
-    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    return _shank_of(vertices, _edges(faces), row)
+
+
+def _edges(faces: Ints) -> Ints:
+    """The edges of triangles, (n, 2), each once."""
+    both = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    return np.asarray(np.unique(both, axis=0), dtype=np.int64)
+
+
+def _shank_of(vertices: Floats, edges: Ints, row: Fastener) -> Shank | None:
     begin, end = ((vertices[edges[:, k]] - row.frame[:3, 3]) @ row.frame[:3, :3] for k in (0, 1))
     radius, step = 0.5 * row.size, end - begin
     length = np.einsum("ij,ij->i", step[:, :2], step[:, :2])
