@@ -105,6 +105,8 @@ class _Look:
         self.scene, self.meshes = scene, PartMeshes(scene.mockup)
         self.bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self.nuts = [row for row in rows if row.kind == "nut"]
+        ends = [(row.frame[:3, 3], row.frame[:3, 3] - row.length * row.axis) for row in self.nuts]
+        self.ends = np.array(ends).reshape(-1, 2, 3)
         self.fasteners = {row.part for row in rows}
         self.is_free = scene.part_mask & (scene.mockup.part_triangles <= MOST_TRIANGLES)
         self.is_free[sorted(self.fasteners | taken)] = False
@@ -172,11 +174,10 @@ class _Look:
 
     def _nuts_on(self, row: Fastener) -> Iterator[tuple[int, float, float]]:
         """The nuts on a shank, and where each begins and ends along it."""
-        for nut in self.nuts:
-            ends = np.stack([nut.frame[:3, 3], nut.frame[:3, 3] - nut.length * nut.axis]) - row.frame[:3, 3]
-            local = ends @ row.frame[:3, :3]
-            if float(np.hypot(local[:, 0], local[:, 1]).max()) <= ON_AXIS * row.size:
-                yield nut.part, float(local[:, 2].max()), float(local[:, 2].min())
+        local = (self.ends - row.frame[:3, 3]) @ row.frame[:3, :3]
+        off = np.hypot(local[..., 0], local[..., 1]).max(axis=1)
+        for n in np.flatnonzero(off <= ON_AXIS * row.size).tolist():
+            yield self.nuts[n].part, float(local[n, :, 2].max()), float(local[n, :, 2].min())
 
 
 def pin_shank(scene: Scene, part: int, vertices: Floats) -> Fastener:
