@@ -7,7 +7,7 @@ it has no rigid way: its legs are straightened, or cut, and it is drawn by its h
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener
 from feeler.scene import Scene
-from feeler.tasks.passing import passed_by
+from feeler.tasks.passing import LEVELS, around, in_bore, passed_by
 from feeler.tasks.retainers import Retained, pin_rod
 from feeler.tasks.rings import Slipping
 
@@ -28,7 +28,7 @@ INSIDE = 0.9
 """What is this near to the axis of a shank, in its radii, is in it."""
 THIN = 0.6
 """The greatest radius of a cotter pin, in radii of the shank: holes across bolts are narrow."""
-SLENDER = 0.3
+SLENDER = 0.5
 """The greatest spread of it in the shank across its axis, over that along it."""
 ACROSS = 0.2
 """The greatest cosine between its axis and that of the shank."""
@@ -68,8 +68,12 @@ class Shank:
 class Drawing(Slipping):
     """A cotter pin that is drawn by its head until it is out of its hole."""
 
+    is_bent: bool = True
+    """Whether it has bent legs."""
+
     def __str__(self) -> str:
-        return f"its legs are straightened or cut; it is drawn along its axis by {1e3 * self.travel:.3g} mm"
+        how = "its legs are straightened or cut; " if self.is_bent else ""
+        return f"{how}it is drawn along its axis by {1e3 * self.travel:.3g} mm"
 
 
 def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[Retained]:
@@ -83,8 +87,14 @@ def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[
     for row in shanks:
         for part, shank in look.through(row):
             found.setdefault(part, (row, shank))
-    # A pin that another one goes through goes through nothing itself.
-    found = {part: each for part, each in found.items() if each[0].part not in found}
+    for row in look.bare_nuts([row for row in shanks if row.kind != "nut"]):
+        for part, shank in look.through(nut_shank(row, -1)):
+            thread = look.thread(row, part)
+            if thread is not None and look.fits(nut_shank(row, thread), part, shank):
+                found.setdefault(part, (nut_shank(row, thread), shank))
+    # Of two pins one goes through the other: the smaller one.
+    large = {part for part, (row, _) in found.items() if row.part in found and look.sizes[part] > look.sizes[row.part]}
+    found = {part: each for part, each in found.items() if part not in large}
     return look.rows(found)
 
 
@@ -95,9 +105,12 @@ class _Look:
         self.scene, self.meshes = scene, PartMeshes(scene.mockup)
         self.bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
         self.nuts = [row for row in rows if row.kind == "nut"]
+        ends = [(row.frame[:3, 3], row.frame[:3, 3] - row.length * row.axis) for row in self.nuts]
+        self.ends = np.array(ends).reshape(-1, 2, 3)
         self.fasteners = {row.part for row in rows}
         self.is_free = scene.part_mask & (scene.mockup.part_triangles <= MOST_TRIANGLES)
         self.is_free[sorted(self.fasteners | taken)] = False
+        self._meshes: dict[int, tuple[Floats, Ints]] = {}
         self.sizes = np.linalg.norm(self.bounds[:, 1] - self.bounds[:, 0], axis=1)
 
     def pins(self) -> Iterator[Fastener]:
@@ -105,7 +118,17 @@ class _Look:
         mockup = self.scene.mockup
         for part in np.flatnonzero(self.is_free).tolist():
             if retainer_said(mockup.part_names[part]) == "pin" and mockup.part_triangles[part] >= 8:
-                yield pin_rod(mockup.part_paths[part], part, self.meshes.mesh(part)[0])
+                yield pin_shank(self.scene, part, self.meshes.mesh(part)[0])
+
+    def bare_nuts(self, shanks: Sequence[Fastener]) -> list[Fastener]:
+        """The nuts that are on no known shank, but on the thread of a part."""
+        on = {nut for row in shanks for nut, _, _ in self._nuts_on(row)}
+        return [nut for nut in self.nuts if nut.part not in on]
+
+    def thread(self, nut: Fastener, but: int) -> int | None:
+        """The part that a nut is on."""
+        inside = in_bore(self.scene.without(sorted({*self.fasteners, but})), nut)
+        return max(inside, key=lambda each: each.radius).part if inside else None
 
     def through(self, row: Fastener) -> Iterator[tuple[int, Shank]]:
         """The parts in a hole across a shank."""
@@ -116,8 +139,20 @@ class _Look:
         near = self.is_free & (self.sizes <= LONGEST * row.size) & (self.sizes >= row.size)
         near &= (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
         for part in np.flatnonzero(near).tolist():
-            if part != row.part and (shank := shank_of(*self.meshes.mesh(part), row)) is not None:
+            if part not in self._meshes:
+                vertices, faces = self.meshes.mesh(part)
+                self._meshes[part] = vertices, _edges(faces)
+            shank = None if part == row.part else _shank_of(*self._meshes[part], row)
+            if shank is not None and self.fits(row, part, shank):
                 yield part, shank
+
+    def fits(self, row: Fastener, part: int, shank: Shank) -> bool:
+        """Whether a part is a cotter pin by its name, or the shank has a hole for it: others are in it by chance."""
+        if row.part < 0 or retainer_said(self.scene.mockup.part_names[part]) == "pin":
+            return True
+        ways = np.stack([shank.axis, -shank.axis])
+        hits = self.scene.only([row.part]).rays(np.tile(shank.point, (2, 1)), ways, within=row.size)
+        return not (np.asarray(hits.triangles) >= 0).any()
 
     def rows(self, found: dict[int, tuple[Fastener, Shank]]) -> list[Retained]:
         """What cotter pins keep on what they go through."""
@@ -139,16 +174,36 @@ class _Look:
 
     def _nuts_on(self, row: Fastener) -> Iterator[tuple[int, float, float]]:
         """The nuts on a shank, and where each begins and ends along it."""
-        for nut in self.nuts:
-            ends = np.stack([nut.frame[:3, 3], nut.frame[:3, 3] - nut.length * nut.axis]) - row.frame[:3, 3]
-            local = ends @ row.frame[:3, :3]
-            if float(np.hypot(local[:, 0], local[:, 1]).max()) <= ON_AXIS * row.size:
-                yield nut.part, float(local[:, 2].max()), float(local[:, 2].min())
+        local = (self.ends - row.frame[:3, 3]) @ row.frame[:3, :3]
+        off = np.hypot(local[..., 0], local[..., 1]).max(axis=1)
+        for n in np.flatnonzero(off <= ON_AXIS * row.size).tolist():
+            yield self.nuts[n].part, float(local[n, :, 2].max()), float(local[n, :, 2].min())
+
+
+def pin_shank(scene: Scene, part: int, vertices: Floats) -> Fastener:
+    """A pin as a shank, without its head: as wide as it is at most heights."""
+    row = pin_rod(scene.mockup.part_paths[part], part, vertices)
+    far = 2.0 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    ways = around(row.frame)
+    heights = -row.length * (np.arange(LEVELS) + 0.5) / LEVELS
+    starts = row.frame[:3, 3] + heights[:, None, None] * row.axis + far * ways
+    hits = scene.only([part]).rays(starts.reshape(-1, 3), -np.tile(ways, (LEVELS, 1)))
+    met = far - np.asarray(hits.distances)[np.asarray(hits.triangles) >= 0]
+    return replace(row, size=2.0 * float(np.median(met))) if len(met) else row
 
 
 def shank_of(vertices: Floats, faces: Ints, row: Fastener) -> Shank | None:
     """The straight part of a mesh in a hole across the shank of a fastener; None if it goes through none."""
-    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    return _shank_of(vertices, _edges(faces), row)
+
+
+def _edges(faces: Ints) -> Ints:
+    """The edges of triangles, (n, 2), each once."""
+    both = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    return np.asarray(np.unique(both, axis=0), dtype=np.int64)
+
+
+def _shank_of(vertices: Floats, edges: Ints, row: Fastener) -> Shank | None:
     begin, end = ((vertices[edges[:, k]] - row.frame[:3, 3]) @ row.frame[:3, :3] for k in (0, 1))
     radius, step = 0.5 * row.size, end - begin
     length = np.einsum("ij,ij->i", step[:, :2], step[:, :2])
@@ -187,7 +242,15 @@ def drawings(vertices: Floats, faces: Ints, row: Fastener, reach: float) -> Iter
         share = np.where(is_leg, shank.radius / np.where(radii > 0.0, radii, 1.0), 1.0)[:, None]
         tool = Tool(shank.point + along + share * (local - along), faces.astype(np.uint32), name="cotter pin")
         way = (sign * shank.axis + 0.0).tolist()
-        yield Drawing((way[0], way[1], way[2]), reach - float(heights.min()) + PLAY_M, 0.0, tool, False)
+        travel, is_bent = reach - float(heights.min()) + PLAY_M, bool((is_leg & (radii > EYE * shank.radius)).any())
+        yield Drawing((way[0], way[1], way[2]), travel, 0.0, tool, False, is_bent)
+
+
+def nut_shank(nut: Fastener, part: int) -> Fastener:
+    """The thread of a part that a nut is on, as the shank of a bolt: as far as the nut is high beyond it."""
+    frame = nut.frame.copy()
+    frame[:3, 3] += nut.length * nut.axis
+    return replace(nut, part=part, kind="stud", frame=frame, length=3.0 * nut.length, head_height=np.nan)
 
 
 def _heads(vertices: Floats, faces: Ints, shank: Shank) -> list[float]:

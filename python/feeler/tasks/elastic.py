@@ -13,7 +13,7 @@ from feeler.mockup import Tool
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, MOST_BLOCKERS, BlockingGraph, Mover
 from feeler.plan.sequence import Exit, undominated
 from feeler.scene import Scene
-from feeler.tasks.cotters import Drawing, drawings
+from feeler.tasks.cotters import Drawing, drawings, nut_shank
 from feeler.tasks.fixings import RINGS, Fixings
 from feeler.tasks.rings import Ring, Slip, Slipping, ring_of, slippings
 
@@ -69,14 +69,16 @@ class Rings:
 
     def _drawings(self, item: int, anchor: int) -> Iterator[Slipping]:
         """How a cotter pin is drawn out of a shank and the nut on it."""
+        nuts = [part for part in self.fixings.of(item).hold.parts if self.fixings.is_turned(part)]
         row = self.fixings.shank(anchor)
+        on = None if row is not None or not nuts else self.fixings.of(nuts[0]).row
+        row = row if on is None else nut_shank(on, anchor)
         if row is None:
             return iter(())
         reach = 0.5 * row.size
-        for part in self.fixings.of(item).hold.parts:
-            if self.fixings.is_turned(part):
-                local = (self.graph.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
-                reach = max(reach, float(np.hypot(local[:, 0], local[:, 1]).max()))
+        for part in nuts:
+            local = (self.graph.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
+            reach = max(reach, float(np.hypot(local[:, 0], local[:, 1]).max()))
         return drawings(*self.graph.meshes.mesh(item), row, reach)
 
     def way(self, slip: Slip) -> RingWay:

@@ -13,10 +13,10 @@ from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
+from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
-from feeler.tasks.retainers import pin_rod
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
@@ -144,7 +144,7 @@ class Fixings:
         """The shank that a fastener has, or is."""
         if part in self._rows or part not in self._held:
             return self._rows.get(part)
-        return pin_rod(self._held[part].path, part, PartMeshes(self.scene.mockup).mesh(part)[0])
+        return pin_shank(self.scene, part, PartMeshes(self.scene.mockup).mesh(part)[0])
 
     def captive_on(self, part: int) -> int | None:
         """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""

@@ -137,15 +137,11 @@ def _without(scene: Scene, parts: Iterable[int]) -> Scene:
     return scene.only(mask)
 
 
-def _axes(vertices: Floats) -> tuple[Floats, Floats]:
-    """The middle of some points, and their principal directions, the one of the least spread first, as columns."""
-    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    return middle, np.linalg.eigh(np.cov((vertices - vertices.mean(axis=0)).T))[1]
-
-
 def pin_rod(path: str, part: int, vertices: Floats) -> Fastener:
     """A pin, as the shank that it is."""
-    middle, axes = _axes(vertices)
+    axes = np.linalg.eigh(np.cov((vertices - vertices.mean(axis=0)).T))[1]
+    local = vertices @ axes
+    middle = axes @ (0.5 * (local.min(axis=0) + local.max(axis=0)))  # a head is as wide to all sides
     axis = axes[:, 2]
     along = (vertices - middle) @ axis
     across = np.linalg.norm((vertices - middle) - along[:, None] * axis, axis=1)
