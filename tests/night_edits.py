@@ -38,11 +38,11 @@ def obstacle(rng: np.random.Generator, x: float) -> Mesh:
 
 
 def edits(rng: np.random.Generator, meshes: dict[str, Mesh]) -> Iterator[tuple[str, dict[str, Mesh]]]:
-    """Scenes that follow from each other by small and large moves, parts that go and come, and other shapes."""
+    """Scenes that follow from each other by small and large moves, parts that go and come, other names and shapes."""
     while True:
         paths = [path for path in meshes if path.startswith("s")]
         path = str(rng.choice(paths))
-        kind = int(rng.integers(0, 6))
+        kind = int(rng.integers(0, 8))
         if kind == 0 and "more" in path:
             meshes = {each: mesh for each, mesh in meshes.items() if each != path}
         elif kind == 1:
@@ -50,6 +50,13 @@ def edits(rng: np.random.Generator, meshes: dict[str, Mesh]) -> Iterator[tuple[s
             meshes = {**meshes, name: obstacle(rng, float(name[1]))}
         elif kind == 2 and "more" in path:
             meshes = {**meshes, path: obstacle(rng, float(path[1]))}
+        elif kind == 3 and "more" in path:
+            name = f"{path[:2]}/more_{int(rng.integers(3, 9))}"
+            meshes = {name if each == path else each: mesh for each, mesh in meshes.items() if each != name}
+        elif kind == 4:
+            corners, faces = meshes[path]
+            middle = corners.mean(axis=0)
+            meshes = {**meshes, path: (middle + float(rng.choice([0.9, 0.999, 1.001])) * (corners - middle), faces)}
         else:
             by = rng.uniform(-1.0, 1.0, 3) * float(rng.choice([1e-5, 5e-4, 5e-3, 0.05]))
             meshes = {**meshes, path: (meshes[path][0] + by, meshes[path][1])}

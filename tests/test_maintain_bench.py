@@ -24,6 +24,7 @@ def found(name: str = "engine") -> dict[str, object]:
         "parts": 100,
         "rows": 100,
         "out": 2,
+        "cut": 0,
         "with_errors": 0,
         "seconds": 50.0,
         "bytes": [1, 2],

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from night_edits import assembly, edits
 from night_scene import covers, driver, lid, parts, scene_of
-from shapes import cube
+from shapes import box, cube
 from test_maintain import facts
 
 import feeler
 from feeler.plan.blocking import Mover
-from feeler.tasks import reached
+from feeler.tasks import nightly, reached
 from feeler.tasks.memory import Memory, carried
-from feeler.tasks.regions import Noted
+from feeler.tasks.regions import Noted, Regions, near
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of
 from feeler.tasks.stored_answers import StoredAnswers
 from feeler.tasks.watched import Recall, WatchedScene
@@ -102,13 +102,18 @@ def test_outer_parts_that_move_a_little_leave_answers_as_they_were(monkeypatch: 
     meshes = parts(2)
     base = planned(scene_of(meshes))
     met: list[Any] = []
-    looked = Mover._met
+    looked, beside = Mover._met, Mover._looked
 
     def counted(mover: Mover, *args: Any) -> Any:
         met.append(mover.parts)
         return looked(mover, *args)
 
+    def around(mover: Mover) -> Any:
+        met.append(mover.parts)
+        return beside(mover)
+
     monkeypatch.setattr(Mover, "_met", counted)
+    monkeypatch.setattr(Mover, "_looked", around)
     for by, is_known in ((-1e-3, True), (1e-3, True), (0.3, False)):
         meshes["frame/high"] = parts(2)["frame/high"][0] + by, meshes["frame/high"][1]
         scene = scene_of(meshes)
@@ -117,6 +122,79 @@ def test_outer_parts_that_move_a_little_leave_answers_as_they_were(monkeypatch: 
         run = planned(scene, base)
         assert facts(run) == facts(full) and not any(row.is_kept for row in run)
         assert (not met) == is_known, by
+
+
+def test_how_deep_a_part_gets_is_asked_again_where_one_of_the_two_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A peg through the cover and into the case, below a lid: depths say along which directions it leaves."""
+    meshes = {**parts(1), "s0/peg": box((0.012, -0.002, -0.02), (0.016, 0.002, 0.002)), "s0/lid": lid(0.0)}
+    base = feeler.maintain(scene_of(meshes), ["s0/peg"], threads=1)
+    asked: list[int] = []
+    measured = Mover._depths
+
+    def counted(mover: Mover, some: list[int], pose: Any) -> Any:
+        asked.extend(some)
+        return measured(mover, some, pose)
+
+    monkeypatch.setattr(Mover, "_depths", counted)
+    for path, by, again in (("s0/lid", (0.0, 0.0, 1e-3), set()), ("s0/case", (0.0, 0.0, 1e-4), {"s0/case"})):
+        moved = {**meshes, path: (meshes[path][0] + np.array(by), meshes[path][1])}
+        scene = scene_of(moved)
+        full = feeler.maintain(scene, ["s0/peg"], threads=1)
+        asked.clear()
+        run = feeler.maintain(scene, ["s0/peg"], threads=1, previous=base)
+        assert facts(run) == facts(full) and not run[0].is_kept
+        assert {scene.mockup.part_paths[part] for part in asked} == again, path
+
+
+def test_a_night_without_changes_looks_for_no_fasteners(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    planned(scene_of(parts(2))).save(tmp_path / "last.json")
+    looked: list[int] = []
+    found = nightly.find_fasteners
+
+    def counted(scene: feeler.Scene) -> feeler.Fasteners:
+        looked.append(1)
+        return found(scene)
+
+    monkeypatch.setattr(nightly, "find_fasteners", counted)
+    run = planned(scene_of(parts(2)), tmp_path / "last.json")
+    assert not looked and all(row.is_kept for row in run) and not run.changes
+    run.save(tmp_path / "next.json")
+    assert (tmp_path / "next.json.answers").read_bytes() == (tmp_path / "last.json.answers").read_bytes()
+    meshes = parts(2)
+    named = {("s1/other" if path == "s1/lid" else path): mesh for path, mesh in meshes.items()}
+    moved = {**meshes, "s0/lid": lid(0.6)}
+    for other in (scene_of(named), scene_of(moved), scene_of(meshes).without(["s1/lid"])):
+        looked.clear()
+        assert planned(other, tmp_path / "last.json").changes and looked
+    looked.clear()
+    # Other times: rows are planned anew, with fasteners, among parts that are as they were.
+    run = planned(scene_of(meshes), tmp_path / "last.json", times={"take": 9.0})
+    assert looked and not run.changes and facts(run) == facts(planned(scene_of(meshes), times={"take": 9.0}))
+
+
+def test_regions_are_near_what_bears_on_them() -> None:
+    rng = np.random.default_rng(2)
+
+    def boxes(count: int) -> Any:
+        low = rng.uniform(-1.0, 1.0, (count, 3))
+        return np.stack([low, low + rng.uniform(0.0, 0.3, (count, 3))], axis=1)
+
+    rows = []
+    for n in range(40):
+        ways = rng.uniform(-1.0, 1.0, (2, 1, 3)) * rng.integers(0, 2, (2, 1, 3))
+        rows.append(Regions(n == 0, boxes(1), np.concatenate([boxes(2), ways], axis=1), boxes(n % 2), frozenset()))
+    parts = boxes(30)
+    parts[0] = np.nan
+    found = near(rows, parts)
+    for n, row in enumerate(rows):
+        for k, part in enumerate(parts):
+            meets = row.meets(*part)
+            assert found[n, k] or not row.bear(part, part[None]), (n, k)
+            assert row.bear(part, np.stack([part, part + 9.0])) >= meets
+            steps = row.sweeps[:, None, :2] + np.linspace(0.0, 1.0, 50)[None, :, None, None] * row.sweeps[:, None, 2:]
+            sampled = [*row.boxes, *steps.reshape(-1, 2, 3)]
+            assert meets or not any((each[0] <= part[1]).all() and (each[1] >= part[0]).all() for each in sampled)
+    assert found[0].all() and found[:, 0].all() and not found.all()
 
 
 def test_what_is_near_a_tool_is_not_in_its_way() -> None:

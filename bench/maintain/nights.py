@@ -59,6 +59,7 @@ def _nights(mockup: feeler.Mockup, parts: list[str], moves: int) -> Result:
         "parts": mockup.part_count,
         "rows": len(first),
         "out": sum(row.state == "out" for row in first),
+        "cut": sum(plan.is_cut for plan, _ in first.plans.values()),
         "with_errors": sum(row.state == "failed" for row in first),
         "seconds": seconds,
         "bytes": sizes,

@@ -60,6 +60,8 @@ from feeler.progress import Progress
 from feeler.renamed import keywords
 from feeler.travel import reduced
 
+_Test = Callable[[Any], bool]
+
 CAST_TOLERANCE = 1e-6
 """The most by which an impact may be early, metres."""
 
@@ -275,18 +277,16 @@ class Scene(_core.Scene):
         return scene
 
     def _recalled(
-        self,
-        kind: str,
-        own: Sequence[int],
-        facts: Any,
-        ask: Callable[[], Any],
-        is_enough: Callable[[Any], bool] = lambda _: True,
+        self, kind: str, own: Sequence[int], facts: Any, ask: Callable[[], Any], is_enough: _Test = lambda _: True
     ) -> Any:
         """The answer of a question, which scenes that remember answers may know.
 
         own: the parts that it moves; facts: all else it depends on but for the parts around. Facts and answers: lists
         of numbers, texts and `PartNumber`. is_enough: whether a known answer says enough."""
         return ask()
+
+    def _depends_on(self, parts: Sequence[int]) -> None:
+        """Told that an answer depends on parts, wherever they are: for scenes that note where it looked."""
 
     def _saw_removal(self, tool: _core.Tool, directions: npt.NDArray[np.float64], found: Any) -> None:
         """Told by `removal` of parts, `tool`, that it answered in this scene: for scenes that note where it looked."""

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import combinations
 from typing import Any, cast
 
@@ -54,6 +55,8 @@ DEEPER_M, DEEPER_SHARE = 1e-5, 0.07
 DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2.0, 3.0)
 """Where that depth is measured, in sizes of the moving part. `removal` later finds a step that goes too deep
 between."""
+DEPTHS_AT_ONCE = 4
+"""Parts whose depth is measured between two looks at the clock: each may take a second."""
 SAME_COSINE = 1.0 - 1e-8
 """Directions closer than this are one: 0.1 mrad."""
 SAME_LABEL = 1e-6
@@ -313,6 +316,10 @@ class _Source:
         return None
 
 
+class _UnknownError(Exception):
+    """An answer that is not remembered."""
+
+
 class Mover:
     """A part, or the wanted ones with their tool, among all other parts of the scene."""
 
@@ -531,40 +538,62 @@ class Mover:
         return [first, hits, False]
 
     def _deeper(self, direction: Direction, parts: set[int], most: int = sys.maxsize) -> set[int]:
-        """The parts that it enters deeper along a direction than at the start, by samples; no others once these are
-        more than `most`, or if the time is up."""
-        found: set[int] = set()
+        """The parts that it enters deeper along a direction than at the start, by samples; not all of them if the time
+        is up, no others once these are more than `most`. Each depends on the two alone, so it is remembered by itself;
+        those that are not known are measured a few at a time."""
+        found: dict[int, bool] = {}
         for part in sorted(parts):
-            if len(found) > most or not self.graph.clock.goes_on():
-                break
-            if self._is_deeper(direction, part):
-                found.add(part)
-        return found
+            with suppress(_UnknownError):
+                found[part] = self._entered(direction, part, None)
+        waiting = sorted(parts - found.keys())
+        while waiting and sum(found.values()) <= most and self.graph.clock.goes_on():
+            few, waiting = waiting[:DEPTHS_AT_ONCE], waiting[DEPTHS_AT_ONCE:]
+            for part, is_deeper in self._sampled(direction, few).items():
+                found[part] = self._entered(direction, part, is_deeper)
+        return {part for part, is_deeper in found.items() if is_deeper}
 
-    def _is_deeper(self, direction: Direction, part: int) -> bool:
+    def _entered(self, direction: Direction, part: int, measured: bool | None) -> bool:
+        """Whether it enters a part deeper. Raises `_UnknownError` if that is neither known nor measured."""
         facts = [PartNumber(part), list(direction), self._far(direction), self.graph.overlap]
-        ask = partial(self._sampled, direction, part)
-        return bool(self._remembered("deeper", facts, ask, lambda told: told is not None))
 
-    def _sampled(self, direction: Direction, part: int) -> bool | None:
-        """Whether it enters a part deeper; `None` if the time is up."""
+        def ask() -> bool:
+            if measured is None:
+                raise _UnknownError
+            self.rest._depends_on([part])
+            return measured
+
+        return bool(self._remembered("deeper", facts, ask))
+
+    def _sampled(self, direction: Direction, parts: list[int]) -> dict[int, bool]:
+        """Whether it enters parts deeper; of those alone that were decided before the time is up."""
         goes_on, way = self.graph.clock.goes_on, self._far(direction)
-        if part not in self._at_start:
-            self._at_start[part] = self._depth(part, np.eye(4))
-        limit = max(DEEPER_M + (1.0 + DEEPER_SHARE) * self._at_start[part], self.graph.overlap)
+        new = self._depths([part for part in parts if part not in self._at_start], np.eye(4))
+        if not goes_on():
+            return {}
+        self._at_start.update({part: new.get(part, 0.0) for part in parts if part not in self._at_start})
+        limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * self._at_start[part] for part in parts}
+        found: dict[int, bool] = {}
+        left = parts
         for share in DEPTH_SHARES:
-            if share * self.size > way:
+            if not left or share * self.size > way:
                 break
+            depths = self._depths(left, self._moved(direction, share * self.size))
+            found |= {part: True for part in left if depths.get(part, 0.0) > max(limits[part], self.graph.overlap)}
+            left = [part for part in left if part not in found]
             if not goes_on():
-                return None
-            if self._depth(part, self._moved(direction, share * self.size)) > limit:
-                return True
-        return False
+                return found
+        return found | dict.fromkeys(left, False)
 
-    def _depth(self, part: int, pose: Floats) -> float:
-        """How deep it is in a part."""
+    def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
+        """The depth in each of a few parts that it is in."""
+        found: dict[int, float] = {}
+        if not parts:
+            return found
         self.graph.clock.look()
-        return float(self.rest.only([part]).depth(self.tool, pose).depths.max(initial=0.0))
+        depths = self.rest.only(parts).depth(self.tool, pose)
+        for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
+            found[part] = max(depth, found.get(part, 0.0))
+        return found
 
     def _moved(self, direction: Direction, by: float) -> Floats:
         pose = np.eye(4)

@@ -116,7 +116,7 @@ class Regions:
 
 
 def near(regions: Sequence[Regions], bounds: Floats) -> Bools:
-    """Whether `bear` of regions may be true for boxes `(n, 2, 3)`, by the box around each sweep: `(len(regions), n)`."""
+    """Whether `bear` of regions may be true of boxes `(n, 2, 3)`, by boxes around sweeps: `(len(regions), n)`."""
     looked = [each.around() for each in regions]
     owners = np.repeat(np.arange(len(looked)), [len(each) for each in looked])
     boxes = np.concatenate([np.empty((0, 2, 3)), *looked])

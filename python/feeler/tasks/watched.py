@@ -163,6 +163,13 @@ class WatchedScene(Scene):
             half = 0.5 * (ends.max() - ends.min()) * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis * axis))
             self._noted.box(middle - half, middle + half)
 
+    def _depends_on(self, parts: Sequence[int]) -> None:
+        """See `Scene._depends_on`."""
+        if self._recall is not None:
+            self._noted.ask(self._recall.memory.paths_of(parts))
+        else:
+            self._noted.all()
+
     def _saw_removal(self, tool: _core.Tool, directions: Floats, found: Removal) -> None:
         """See `Scene._saw_removal`: a straight way along a given direction looked at its sweep alone; other answers, at
         the whole mock-up."""
