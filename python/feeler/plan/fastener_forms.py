@@ -49,12 +49,14 @@ PLUG_TO_FLATS = 1.75
 """The widest thread of a plug, relative to the width across flats of its hexagon: M52 has 30 mm in DIN 910."""
 PLUG_HEIGHT = (0.2, 1.0)
 """Height of a plug's hexagon, relative to its width across flats."""
+USUAL_FLANGE = 1.75
+"""The greatest radius of its flange, relative to half the width across flats: 1.4 in the standards."""
 SHORT = (0.15, 0.3)
 """The least length of a short screw's thread, in diameters: with a name that says so, and without."""
-SHORT_TO_FLATS = (0.44, 0.72)
-"""Thread diameter, relative to the width across flats, of a short bolt that the shape alone shows: 0.53 to 0.68 in the
-standards; less where threads are modelled with the core diameter."""
-SHORT_HEAD = (0.45, 0.95)
+USUAL_TO_FLATS = (0.44, 0.72)
+"""Thread diameter, relative to the width across flats, of a short or hollow bolt that the shape alone shows: 0.53 to
+0.68 in the standards; less where threads are modelled with the core diameter."""
+USUAL_HEAD = (0.45, 0.95)
 """Height of its head, relative to its thread's diameter: 0.6 to 0.75 in the standards, more for a core diameter."""
 STEP = 0.8
 """A section of the thread below this share of its radius is another section, as of a shaft."""
@@ -102,7 +104,7 @@ def hexagon_headed(view: View) -> Found | None:
     bore = _bore(view)
     full, flats = view.high - view.low, 2.0 * head.radius
     beyond = view.high - head.high
-    if (beyond > TOP_SHARE * head.height and not is_domed(view, head)) or view.recesses[1] is not None:
+    if (beyond > TOP_SHARE * head.height and (bore or not is_domed(view, head))) or view.recesses[1] is not None:
         return None
     if not HEAD_HEIGHTS[0] <= head.height / flats <= HEAD_HEIGHTS[1]:
         return None
@@ -169,11 +171,14 @@ def _is_bolt_shape(view: View, head: Body, radius: float, collar: float, bearing
         return has_collar and head.low - bearing <= COLLAR_HEIGHT * 2.0 * collar and is_plain and not bore
     if to_flats < THREAD_TO_FLATS[0] or slender < SHORT[0]:
         return None
-    if slender >= SHANK_SLENDER:
-        return bore <= NARROW_BORE * radius and is_plain if bore else None
-    is_usual = SHORT_TO_FLATS[0] <= to_flats <= SHORT_TO_FLATS[1] and slender >= SHORT[1] and is_plain
+    if slender >= SHANK_SLENDER and not bore:
+        return None  # a usual bolt, or not
     height = (view.high - bearing) / (2.0 * radius)
-    return is_usual and SHORT_HEAD[0] <= height <= SHORT_HEAD[1] and not bore
+    is_usual = USUAL_TO_FLATS[0] <= to_flats <= USUAL_TO_FLATS[1] and USUAL_HEAD[0] <= height <= USUAL_HEAD[1]
+    is_usual = is_usual and is_plain and collar < USUAL_FLANGE * head.radius
+    if bore:
+        is_usual = is_usual and slender >= SHANK_SLENDER and bore <= NARROW_BORE * radius
+    return is_usual and slender >= SHORT[1]
 
 
 def recessed(view: View) -> Found | None:
@@ -273,10 +278,12 @@ def wing_screw(view: View) -> Found | None:
     if not view.high > top - 1e-9:
         return None
     because = f"two wings on a hub of {mm(2.0 * hub)}, on a shank of {mm(2.0 * radius)}"
-    is_strong = view.high - top > 0.05 * (view.high - bearing)
+    is_risen = view.high - top > 0.05 * (view.high - bearing)
     ring = 0.5 * (radius + hub)
     return Found(
-        *("screw", 2.0 * radius, np.nan, length, view.high - bearing, ring, because, "wings"), is_strong=is_strong
+        *("screw", 2.0 * radius, np.nan, length, view.high - bearing, ring, because, "wings"),
+        is_strong=is_risen,
+        is_known_by_name=not is_risen,
     )
 
 
