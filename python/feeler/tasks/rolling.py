@@ -189,7 +189,9 @@ def _alike(mockup: Mockup, present: Bools) -> Iterator[list[int]]:
     sides = bounds[:, 1] - bounds[:, 0]
     is_small = present & (mockup.part_triangles >= 12) & (mockup.part_triangles <= MOST_TRIANGLES)
     is_small &= (sides.max(axis=1) <= LARGEST_M) & (sides.min(axis=1) > 0.0)
-    areas, volumes = _sizes(mockup, is_small, bounds.mean(axis=1))
+    middles = np.zeros_like(sides)  # parts without triangles have infinite bounds
+    middles[is_small] = bounds[is_small].mean(axis=1)
+    areas, volumes = _sizes(mockup, is_small, middles)
     some = np.flatnonzero(is_small & (volumes > 0.0))
     for by_volume in _split(some, volumes[some]):
         for group in _split(by_volume, areas[by_volume]):
