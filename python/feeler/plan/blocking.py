@@ -192,6 +192,11 @@ class BlockingGraph:
         """The axes of the fasteners among parts."""
         return [fastener.axis for fastener in self.joints.among(parts)]
 
+    def obstacles(self, node: int) -> frozenset[int]:
+        """What a part met along its directions up to now, before something that is kept."""
+        source = self._sources.get(node)
+        return frozenset() if source is None else source.obstacles
+
     def learn(self, node: int, exit_: Exit) -> None:
         """Adds an exit found by other means."""
         self._exits[node] = undominated([*self.exits(node), exit_])
@@ -281,6 +286,13 @@ class _Source:
         """The parts that touch it against each direction, if there are any."""
         return [] if self._mover is None else [each for each in self._mover.opposing.values() if each]
 
+    @property
+    def obstacles(self) -> frozenset[int]:
+        """See `BlockingGraph.obstacles`."""
+        question = self.graph.question
+        parts = set() if self._mover is None else self._mover.met - question.kept
+        return frozenset(map(question.node_of, parts)) - question.kept - {self.node}
+
     def within(self, direction: Direction, far: float) -> frozenset[int] | None:
         """See `BlockingGraph.blockers_within`."""
         return None if self._mover is None else self._mover.blockers(direction, self._most, far)
@@ -338,6 +350,8 @@ class Mover:
         rows, *sets = self._recalled("directions", [lines], self._looked)
         self.opposing = self._ordered({tuple(direction): set(parts) for direction, parts in rows})
         """The directions to try, in their order, and the touching parts against each; none of another shape."""
+        self.met: set[int] = set()
+        """The parts that were met along any direction up to now."""
         self.seats, self.flush, self.doubtful = sets[0], set(sets[1]), set(sets[2])
 
     def _recalled(
@@ -496,6 +510,7 @@ class Mover:
         told = self._recalled(
             "along", facts, lambda: self._met(direction, most, far), lambda told: self._found(told, most)[1]
         )
+        self.met.update(told[0], told[1])
         return self._found(told, most)[0]
 
     def _found(self, told: Sequence[Any], most: int) -> tuple[frozenset[int] | None, bool]:

@@ -44,6 +44,8 @@ from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
+MOST_AROUND = 40
+"""Parts around one that is stuck whose ways out are looked for, before a bent way of it is searched."""
 MOST_PLANS = 30
 """Plans whose ways are checked; each that fails teaches a blocker."""
 MOST_PEOPLE = 100
@@ -403,10 +405,30 @@ class _Planner:
             if item == TARGET and not question.wanted:
                 continue
             for riding in self._bodies(item):
-                gone = graph.most_gone() | graph.holding(self.actions.node(item, riding)) - {item}
-                if self.leading.search(item, riding, gone - {TARGET}):
+                node = self.actions.node(item, riding)
+                fasteners = self._look_around(node)
+                gone = graph.most_gone() | fasteners
+                gone |= graph.holding(node).union(*map(graph.holding, gone)) - {item}
+                if self.leading.search(item, riding, gone - {TARGET} - riding):
                     return True
         return False
+
+    def _look_around(self, node: int) -> frozenset[int]:
+        """Lets the graph know how what stands around a part comes out; the fasteners among it, which may be undone."""
+        graph, actions = self.actions.graph, self.actions
+        seen, fasteners, waiting = set[int](), set[int](), sorted(graph.obstacles(node))
+        while waiting and len(seen) < MOST_AROUND and self.clock.goes_on():
+            item = waiting.pop(0)
+            if item in seen or item == TARGET or item in self.question.kept:
+                continue
+            seen.add(item)
+            if actions.is_turned(item):
+                fasteners.add(item)
+                continue
+            exits = graph.exits(item)
+            more = frozenset[int]().union(*(one.blockers for one in exits)) if exits else graph.obstacles(item)
+            waiting += sorted(more - seen)
+        return frozenset(fasteners)
 
     def _bodies(self, item: int) -> list[frozenset[int]]:
         """What rode on a part where its ways were looked for."""
@@ -430,10 +452,12 @@ class _Planner:
                 extra = needed - elsewhere
                 if actions.is_turned(item) or not (extra or is_joint):
                     continue
-                if not (is_joint or self.leading.has_play(item, riding, out - extra)):
-                    continue
-                if self.leading.search(item, riding, out - extra):
-                    return True
+                # Without all of these, then without each: it may come out below one once another is out.
+                for less in [extra, *(frozenset([each]) for each in sorted(extra) if len(extra) > 1)]:
+                    if not (is_joint or self.leading.has_play(item, riding, out - less)):
+                        continue
+                    if self.leading.search(item, riding, out - less):
+                        return True
             out |= set(step.unit.leaving)
         return False
 
