@@ -439,10 +439,12 @@ class _Planner:
         """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
         these have to go."""
         actions, out = self.actions, frozenset[int]()
-        sure = self.search.sure()
+        # Also what is in the way of several: none of them may need it. Fasteners go with what they hold.
         needs = [self._needed(step.unit) for step in steps]
+        held = [frozenset[int]().union(*step.unit.joints) for step in steps]
+        sure = self.search.sure()
         for n, step in enumerate(steps):
-            elsewhere = sure.union(*(each for m, each in enumerate(needs) if m != n))
+            elsewhere = sure.union(*(each for m, each in enumerate(held) if m != n))
             # Parts that leave together may come out alone: a bayonet is turned, which no straight motion is.
             is_joint = len(step.unit.items) > 1
             for item, riding in zip(step.unit.items, step.unit.bodies, strict=False):
