@@ -310,7 +310,8 @@ class _Planner:
                 if not (found.is_complete and self._try_bent(found)):
                     break
             else:
-                checked = None if self._asks_before(found.steps) else self._checked(found.steps)
+                is_new = self._asks_before(found.steps) or self._frees_riders(found)
+                checked = None if is_new else self._checked(found.steps)
                 if checked is not None:
                     return self._answer(found, checked)
             if not self.clock.goes_on():
@@ -429,6 +430,10 @@ class _Planner:
             more = frozenset[int]().union(*(one.blockers for one in exits)) if exits else graph.obstacles(item)
             waiting += sorted(more - seen)
         return frozenset(fasteners)
+
+    def _frees_riders(self, found: Found) -> bool:
+        """Whether a way is found for something that only had to ride along since no straight motion takes it out."""
+        return found.is_complete and any(step.unit.riding for step in found.steps or ()) and self._try_bent(found)
 
     def _bodies(self, item: int) -> list[frozenset[int]]:
         """What rode on a part where its ways were looked for."""

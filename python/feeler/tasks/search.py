@@ -216,7 +216,12 @@ class Search:
             if one.needs:
                 new = list(self._children(one))
                 continue
+            dragging = self._dragging(one)
             new = []
+            if dragging:
+                bare = self._bared(one, dragging)
+                new = [bare] if bare is not None else []
+                continue
             steps, blocked = self._in_order(one)
             if steps is None:
                 new = list(self._with_each(one, blocked))
@@ -533,9 +538,6 @@ class Search:
     def _in_order(self, one: _Set) -> tuple[tuple[Ordered, ...] | None, frozenset[int]]:
         """The quickest order of a set; if there is none, items beyond it that may help."""
         carried = self._carried(one)
-        dragged = self._dragged(one, carried)
-        if dragged:
-            return None, dragged
         for item in one.chosen:
             for joint in () if self.problem.is_turned(item) else self._joints(one, item):
                 if not joint & one.items:
@@ -558,11 +560,23 @@ class Search:
         late = frozenset[int]().union(*order.waiting.values()) if order.waiting else frozenset[int]()
         return None, helping - one.items | late & carried.keys()
 
-    def _dragged(self, one: _Set, carried: Mapping[int, int]) -> frozenset[int]:
-        """What rides on others that leave together with the wanted parts: these are led out of it, not with it."""
+    def _dragging(self, one: _Set) -> list[int]:
+        """Parts with riders that leave together with the wanted ones: these are led out of them, not with all of it."""
+        carried = self._carried(one)
         groups = _groups(self._parts(one, carried))
         last = next((set(group) for group in groups if self.target in group), set[int]()) - {self.target}
-        return frozenset(each for each, carrier in carried.items() if carrier in last)
+        return sorted(last & set(carried.values()))
+
+    def _bared(self, one: _Set, items: Sequence[int]) -> _Set | None:
+        """A set in which nothing rides on some of its parts."""
+        carried, less = self._carried(one), dict(one.less)
+        for item in items:
+            less[item] = less.get(item, frozenset()) | {each for each, carrier in carried.items() if carrier == item}
+        chosen = {item: way for item, way in one.chosen.items() if item not in items}
+        bare = replace(one, less=less, chosen=chosen)
+        held = [self._held(bare, item, self._certain(bare, item)) for item in items]
+        needs = [*(Need(_WAY, item) for item in items), *(need for _, more in held for need in more)]
+        return self._grown(replace(bare, needs=(*one.needs, *needs)), (), [each for alone, _ in held for each in alone])
 
     def _units(self, one: _Set, carried: Mapping[int, int]) -> list[Unit] | None:
         """The steps of a set, without their order: parts that block each other leave together."""
