@@ -202,7 +202,8 @@ class _Fixed:
         for run in runs:
             if run.snapshot.scene == now and run.options.get("version") == version:
                 return run.snapshot
-        return Snapshot.of(self._scene, self.fasteners, self.held)
+        before = next((run.snapshot.parts for run in runs if run.options.get("version") == version), {})
+        return Snapshot.of(self._scene, self.fasteners, self.held, before)
 
 
 @dataclass(frozen=True, eq=False)  # it may hold an array

@@ -117,19 +117,22 @@ def _around(parts: Ints, far: Floats, levels: Floats) -> list[Passed]:
     """The parts that at least half of the rays of a level hit, the topmost first; those that another part divides more
     than once. parts, far: (levels, rays)."""
     seen: dict[int, list[_Level]] = {}
-    for level, own, distances in zip(levels.tolist(), parts, far, strict=True):
-        names, counts = np.unique(own[own >= 0], return_counts=True)
-        if len(names) and counts.max() >= _MOST * len(own):
-            part = int(names[int(np.argmax(counts))])
-            seen.setdefault(part, []).append(
-                (level, float(distances[own == part].max()), float(distances[own == part].min()))
-            )
+    # Of each ray, how many of its level hit the same part.
+    counts = ((parts[:, :, None] == parts[:, None]) & (parts >= 0)[:, :, None]).sum(axis=2)
+    most = counts.max(axis=1, initial=0)
+    # Of two that are hit by as many, the first.
+    best = np.where(counts == most[:, None], parts, np.iinfo(np.int64).max).min(axis=1, initial=np.iinfo(np.int64).max)
+    is_own = parts == best[:, None]
+    largest = np.where(is_own, far, -np.inf).max(axis=1, initial=-np.inf).tolist()
+    least = np.where(is_own, far, np.inf).min(axis=1, initial=np.inf).tolist()
+    for n in np.flatnonzero((most > 0) & (most >= _MOST * parts.shape[1])).tolist():
+        seen.setdefault(int(best[n]), []).append((float(levels[n]), largest[n], least[n]))
     ends = {part: (rows[0][0], rows[-1][0]) for part, rows in seen.items()}
     found = []
     for part, rows in seen.items():
         for run in _runs(rows, [span for other, span in ends.items() if other != part]):
-            heights, largest, least = zip(*run, strict=True)
-            found.append(Passed(part, heights[0], heights[-1], _narrow(largest), float(np.median(least))))
+            heights, widest, nearest = zip(*run, strict=True)
+            found.append(Passed(part, heights[0], heights[-1], _narrow(widest), float(np.median(nearest))))
     return sorted(found, key=lambda each: -each.top)
 
 

@@ -181,8 +181,7 @@ class Noted:
         if self.is_on and not layer.is_all and layer.is_new(regions):
             layer.boxes.extend(regions.boxes)
             layer.solids.extend(regions.solids)
-            for each in regions.sweeps:
-                self.sweep(each[None, :2], each[2])
+            layer.swept.append(regions.sweeps)
 
     def ask(self, parts: Iterable[str]) -> None:
         """Notes parts, wherever they are."""
@@ -254,6 +253,8 @@ class _Layer:
         self.is_all = False
         self.asked: set[str] = set()
         self.boxes, self.solids = _Boxes(), _Boxes()
+        self.swept: list[Floats] = []
+        """Sweeps `(n, 3, 3)` that stay as they are."""
         self._sweeps: dict[bytes, list[float]] = {}
         self._shapes: dict[bytes, tuple[Floats, Floats, Floats]] = {}
         self._added: dict[int, Regions] = {}
@@ -279,7 +280,7 @@ class _Layer:
         """All of it."""
         if self.is_all:
             return replace(Regions.everything(), asked=frozenset(self.asked))
-        sweeps = [np.empty((0, 3, 3))]
+        sweeps = [np.empty((0, 3, 3)), *self.swept]
         for key, (begin, end) in self._sweeps.items():
             half, along, across = self._shapes[key]
             middles = across + begin * along
