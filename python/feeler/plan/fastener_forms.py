@@ -284,7 +284,8 @@ def wing_screw(view: View) -> Found | None:
     if length < SHANK_SLENDER * 2.0 * radius or view.high - bearing > MOST_WING * reach or wing < bearing:
         return None
     because = f"two wings on a hub of {mm(2.0 * hub)}, on a shank of {mm(2.0 * radius)}"
-    is_risen = view.high - top > 0.05 * (view.high - bearing)
+    highest = float(view.z[view.r > 1.2 * hub].max())
+    is_risen = highest - top > 0.05 * (view.high - bearing) and highest > view.high - 0.02 * (view.high - bearing)
     ring = 0.5 * (radius + hub)
     return Found(
         *("screw", 2.0 * radius, np.nan, length, view.high - bearing, ring, because, "wings"),
