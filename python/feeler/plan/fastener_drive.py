@@ -20,6 +20,8 @@ MOST_DEPTH = 0.8
 """The greatest depth of a recess, as a share of the shape's height: deeper ones are bores."""
 SLIVER = 1e-3
 """Triangles with a smaller share of the walls that face the axis are ignored."""
+FINE_SLIVER = 0.1
+"""The same share, times the number of these walls, in fine meshes."""
 OPEN = 0.1
 """How near the lower end an inner wall must come to belong to a bore open there, as a share of the shape's height."""
 WIDER = 1.03
@@ -68,7 +70,8 @@ def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
     """The recess at the upper end of a shape between `low` and `high`; None if none is recognised."""
     is_inner = walls.distance < 0.0
     # Rounded coordinates can turn slivers of plane faces in any direction.
-    inner = np.flatnonzero(is_inner & (walls.area > SLIVER * walls.area[is_inner].sum()))
+    least = min(SLIVER, FINE_SLIVER / max(int(is_inner.sum()), 1)) * walls.area[is_inner].sum()
+    inner = np.flatnonzero(is_inner & (walls.area > least))
     if not len(inner):
         return None
     inner = _beside_bore(walls, inner, low + OPEN * (high - low))

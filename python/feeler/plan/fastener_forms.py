@@ -29,6 +29,8 @@ from feeler.plan.fastener_view import (
     article,
     bearing_of,
     mm,
+    thread_of,
+    wing_tip,
     wings_of,
 )
 
@@ -58,6 +60,8 @@ USUAL_TO_FLATS = (0.44, 0.72)
 0.68 in the standards; less where threads are modelled with the core diameter."""
 USUAL_HEAD = (0.45, 0.95)
 """Height of its head, relative to its thread's diameter: 0.6 to 0.75 in the standards, more for a core diameter."""
+CONE = 0.7
+"""The greatest length of a cone between two sections of a bore, relative to the difference of their radii."""
 STEP = 0.8
 """A section of the thread below this share of its radius is another section, as of a shaft."""
 LEAST_SECTION = 1.0
@@ -195,7 +199,7 @@ def recessed(view: View) -> Found | None:
     below = under - view.low
     if below < 0.1 * full:
         return _headless(view, recess, head, head, bore)
-    radius = _widest(view, view.low, view.low + 0.4 * below)
+    radius = thread_of(view, _widest(view, view.low, view.low + 0.4 * below), recess)
     if bore > WIDEST_BORE * radius:
         return None
     is_thread = view.high - under >= DOG_THREAD * 2.0 * head
@@ -232,8 +236,8 @@ def _is_screw_shape(
         return None
     # Of a short thread, the usual screw's looks take the head.
     is_short = slender < SHANK_SLENDER or bearing < view.low + 0.4 * (view.high - view.low)
-    if not (shoulder or bore or is_short):
-        return None
+    if not (shoulder or bore or is_short or view.is_hollow()):
+        return None  # a usual screw, or not
     return is_sure and (is_socket or not is_short) and slender >= SHORT[1]
 
 
@@ -272,13 +276,16 @@ def wing_screw(view: View) -> Found | None:
     if not WING_SHANK[0] <= radius / hub <= WING_SHANK[1]:
         return None
     bearing = bearing_of(view, radius, hub)
-    length, top = bearing - view.low, float(view.z[view.r <= 1.02 * hub].max())
+    length = bearing - view.low
+    # Beside the plane of the wings, the hub is highest.
+    tip = wing_tip(view.across, view.r)
+    beside = np.abs(view.across @ np.array([-tip[1], tip[0]]))
+    top = float(view.z[beside > 0.4 * hub].max())
     if length < SHANK_SLENDER * 2.0 * radius or view.high - bearing > MOST_WING * reach or wing < bearing:
         return None
-    if not view.high > top - 1e-9:
-        return None
     because = f"two wings on a hub of {mm(2.0 * hub)}, on a shank of {mm(2.0 * radius)}"
-    is_risen = view.high - top > 0.05 * (view.high - bearing)
+    highest = float(view.z[view.r > 1.2 * hub].max())
+    is_risen = highest - top > 0.05 * (view.high - bearing) and highest > view.high - 0.02 * (view.high - bearing)
     ring = 0.5 * (radius + hub)
     return Found(
         *("screw", 2.0 * radius, np.nan, length, view.high - bearing, ring, because, "wings"),
@@ -320,14 +327,26 @@ def _bore(view: View) -> float:
     """The radius of the bore right through a shape; 0 for none. A recess at an end is not a part of it."""
     if not view.is_hollow():
         return 0.0
-    low, high = view.recesses[1], view.recesses[0]
-    recesses = [each.reach for each in (low, high) if each is not None]
-    return max((b.radius for b in view.inner() if not any(_is_of(b, reach) for reach in recesses)), default=0.0)
+    inner = sorted(view.inner(), key=lambda b: b.low)
+    high, wide = inner[0].high, inner[0].radius
+    for each in inner[1:]:
+        # Between sections there may be a cone, as of a drill.
+        if each.low - high > CONE * abs(each.radius - wide) + 0.02 * (view.high - view.low):
+            return 0.0
+        if each.high > high:
+            high, wide = each.high, each.radius
+    return max((b.radius for b in inner if not _is_recess(view, b)), default=0.0)
 
 
-def _is_of(body: Body, reach: float) -> bool:
-    """Whether an inner body may be the walls of a recess that reaches so far."""
-    return body.sides > 0 and 0.6 * reach < body.radius < reach
+def _is_recess(view: View, inner: Body) -> bool:
+    """Whether an inner body is a part of a recess at an end: as wide at most, and no longer."""
+    for recess in view.recesses:
+        if recess is not None and inner.radius < recess.reach:
+            z = view.walls.corners[recess.walls][:, :, 2]
+            slack = 0.01 * (view.high - view.low)
+            if inner.low > float(z.min()) - slack and inner.high < float(z.max()) + slack:
+                return True
+    return False
 
 
 def _widest(view: View, low: float, high: float) -> float:

@@ -35,6 +35,7 @@ from feeler.plan.fastener_view import (
     frame_of,
     mm,
     shank_of,
+    thread_of,
     view_along,
     wings_of,
 )
@@ -345,7 +346,8 @@ def _recessed_screw(view: View) -> Found | None:
     where = "in a rod" if is_headless else "in a round head"
     because = f"{article(recess.drive)}{width} {where}"
     length = full if is_headless else bearing - view.low
-    return Found("screw", 2.0 * radius, flats, length, view.high - bearing, head, because, recess.drive)
+    size = 2.0 * (radius if is_headless else thread_of(view, radius, recess))
+    return Found("screw", size, flats, length, view.high - bearing, head, because, recess.drive)
 
 
 def _nut(view: View) -> Found | None:

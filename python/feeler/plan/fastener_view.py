@@ -54,6 +54,13 @@ HEAD_TO_SHANK = (1.4, 2.4)
 """Diameter of a round head, relative to its shank's: 1.5 for socket heads, 2 for pan heads."""
 BORE_TO_FLATS = (0.3, 0.68)
 """A nut's bore, relative to its width across flats: at most 0.67 in the standards."""
+SHOULDER_SOCKET = 0.57
+"""The greatest width of a shoulder screw's hexagon socket, relative to its shoulder: 0.5 in ISO 7379, 0.62 and more of
+the thread in cap screws."""
+THREAD_TO_SHOULDER = (0.55, 0.95)
+"""Radius of its thread, relative to its shoulder: 0.75 to 0.83 in ISO 7379."""
+THREAD_LENGTH = 1.0
+"""The least length of that thread, in diameters: dog points are shorter."""
 FLAT_SOCKETS = ("square socket", "hexagon socket", "12-point socket")
 """Recesses with a width across flats."""
 
@@ -241,12 +248,16 @@ def _body(
     return Body(abs(middle), middle < 0, count, prism, float(heights.min()), float(heights.max()), share)
 
 
+def wing_tip(across: Floats, r: Floats) -> Floats:
+    """The direction (2,) of the farthest corners to both sides: of the middle of both wings, not of a corner of one."""
+    far = across[r > 0.85 * float(r.max())]
+    turn = 0.5 * np.angle(np.sum((far[:, 0] + 1j * far[:, 1]) ** 2))
+    return np.array([np.cos(turn), np.sin(turn)])
+
+
 def wings_of(across: Floats, r: Floats) -> tuple[float, float] | None:
     """Radius of the hub, and of its two wings; None without wings."""
-    reach = float(r.max())
-    far = across[r > 0.85 * reach]
-    turn = 0.5 * np.angle(np.sum((far[:, 0] + 1j * far[:, 1]) ** 2))  # the middle of both wings, not a corner of one
-    tip = np.array([np.cos(turn), np.sin(turn)])
+    reach, tip = float(r.max()), wing_tip(across, r)
     along, beside = np.abs(across @ tip), np.abs(across @ np.array([-tip[1], tip[0]]))
     thick = float(beside[r > 0.85 * reach].max())
     sides = across @ tip
@@ -273,6 +284,21 @@ def bearing_of(view: View, radius: float, wide: float) -> float:
     """The height at which a head of radius `wide` bears on the joint: the end of all that is wider than the shank."""
     head = view.z[view.r > radius + 0.35 * (wide - radius)]
     return float(head.min())
+
+
+def thread_of(view: View, radius: float, recess: Recess) -> float:
+    """The radius of the thread below a shoulder of `radius`; `radius` if there is none.
+
+    A hexagon socket that is narrow for the shank shows a shoulder; else a thinner end is the thread's core.
+    """
+    if recess.drive != "hexagon socket" or recess.width > SHOULDER_SOCKET * 2.0 * radius:
+        return radius
+    low, high = THREAD_TO_SHOULDER[0] * radius, THREAD_TO_SHOULDER[1] * radius
+    found = [b for b in view.outer() if low <= b.radius <= high and b.height >= THREAD_LENGTH * 2.0 * b.radius]
+    thread = min(found, key=lambda b: b.low, default=None)
+    if thread is None or thread.low > view.low + 0.2 * (view.high - view.low):
+        return radius
+    return float(view.r[view.z < 0.5 * (thread.low + thread.high)].max())
 
 
 def article(thing: str) -> str:
