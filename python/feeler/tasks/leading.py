@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.plan.blocking import box_of_parts, way_out
-from feeler.plan.question import Clock
+from feeler.plan.question import Clock, Direction
 from feeler.plan.removal import Allowed, Removal, not_tried, way_from
 from feeler.plan.sequence import Exit
 from feeler.scene import PartNumber, Scene
@@ -20,6 +20,7 @@ from feeler.tasks.ahead import WayAsked
 from feeler.tasks.elastic import RingWay
 from feeler.tasks.problem import Unit
 from feeler.tasks.rings import Slip
+from feeler.tasks.two_legs import two_legs
 
 Floats = npt.NDArray[np.float64]
 
@@ -76,6 +77,8 @@ class Searched:
     """With the items that have to be out."""
     tried: set[tuple[int, frozenset[int]]] = field(default_factory=set)
     """Items, and the parts that were gone."""
+    tried_short: set[tuple[int, frozenset[int]]] = field(default_factory=set)
+    """The same, of searches of two straight legs alone."""
     led: dict[WayAsked, Led] = field(default_factory=dict)
     """The ways of parts from where they are modelled."""
     shortest: dict[tuple[Unit, tuple[int, ...], frozenset[int]], Any] = field(default_factory=dict)
@@ -152,20 +155,25 @@ class Leading:
                 return each
         return motion
 
-    def search(self, item: int, riding: frozenset[int], out: frozenset[int]) -> bool:
-        """Whether a way of a part with what rides on it is found while items are out, by pushes and random trees too;
-        the graph then knows it, with those of the items that it collides with. It is searched once for each set."""
+    def search(self, item: int, riding: frozenset[int], out: frozenset[int], is_short: bool = False) -> bool:
+        """Whether a way of a part with what rides on it is found while items are out: of two straight legs, and if the
+        search is not short by pushes and random trees too. The graph then knows it, with those of the items that it
+        collides with. It is searched once for each set."""
         actions, question = self.actions, self.question
         gone = actions.gone(out)
         node = actions.node(item, riding)
         parts = tuple(part for part in question.parts_of([node]) if part not in gone)
         key = (node, frozenset(gone))
-        if key in self._searched.tried or not parts or self._is_last(parts, gone):
+        tried = self._searched.tried_short if is_short else self._searched.tried
+        if key in tried or key in self._searched.tried or not parts or self._is_last(parts, gone):
             return False
         self.clock.tell(f"searching a way of {self._mockup.part_names[parts[0]]}")
         if item not in actions.rings:
-            asked = WayAsked(parts, gone, None, BENT_ROUNDS, int(self.question.options["seed"]))
-            led, needed = self._led(asked), frozenset[int]()
+            rounds = 0 if is_short else BENT_ROUNDS
+            asked = WayAsked(parts, gone, None, rounds, int(self.question.options["seed"]))
+            led, needed = self._led(asked, actions.graph.directions(node)), frozenset[int]()
+        elif is_short:
+            return False
         else:
             led, needed = Led(False, np.eye(4)[None], ""), frozenset[int]()
             for way in actions.rings.ways(item):
@@ -174,7 +182,7 @@ class Leading:
                     if led.is_found:
                         break
         if self.clock.goes_on():
-            self._searched.tried.add(key)
+            tried.add(key)
         if not led.is_found:
             return False
         met = frozenset(each for each in out if self._is_met(node, each, led.poses)) - {item} - riding
@@ -220,22 +228,29 @@ class Leading:
         said = f"{way.slipping}" + (f"; then {led.said}" if found.legs else "")
         return Led(led.is_found, np.concatenate([np.eye(4)[None], led.poses]), said, led.worst)
 
-    def _led(self, asked: WayAsked) -> Led:
-        """The way of parts from where they are modelled."""
-        threads = self.question.options["threads"]
+    def _led(self, asked: WayAsked, directions: Sequence[Direction] = ()) -> Led:
+        """The way of parts from where they are modelled. directions: of which two are tried first."""
         if not self.clock.goes_on():
             return Led.of(not_tried(asked.seed))
         if asked not in self._searched.led:
             left = self._left(asked.gone)
             boxes = [each.tolist() for scene in (self.question.scene, left) for each in box_of_parts(scene)]
             facts = [None if asked.direction is None else list(asked.direction), asked.rounds, asked.seed, boxes]
-            told = left._recalled(
-                "way", asked.parts, facts, lambda: Led.of(self.actions.ahead.way(asked, threads)).plain()
-            )
+            facts += [[list(each) for each in directions]]
+            told = left._recalled("way", asked.parts, facts, lambda: self._new(asked, left, directions).plain())
             if not self.clock.goes_on():
                 return Led.read(told)
             self._searched.led[asked] = Led.read(told)
         return self._searched.led[asked]
+
+    def _new(self, asked: WayAsked, left: Scene, directions: Sequence[Direction]) -> Led:
+        """As `_led`, which does not know it."""
+        legs = two_legs(left, asked.parts, directions, self.clock.look) if directions else ()
+        if legs:
+            return Led(True, np.stack([np.eye(4), *(leg.pose for leg in legs)]), "; ".join(map(str, legs)))
+        if asked.rounds == 0:
+            return Led(False, np.eye(4)[None], "")
+        return Led.of(self.actions.ahead.way(asked, self.question.options["threads"]))
 
     def _from(self, pose: Floats, asked: WayAsked) -> Removal:
         """The way of parts that are moved first."""

@@ -463,7 +463,7 @@ class _Planner:
                 for less in [extra, *(frozenset([each]) for each in sorted(extra) if len(extra) > 1)]:
                     if not (is_joint or self.leading.has_play(item, riding, out - less)):
                         continue
-                    if self.leading.search(item, riding, out - less):
+                    if self.leading.search(item, riding, out - less, is_short=len(less) < len(extra)):
                         return True
             out |= set(step.unit.leaving)
         return False
