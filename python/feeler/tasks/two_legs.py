@@ -15,7 +15,7 @@ from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
-STOPS = (1.0, 0.5)
+STOPS = (0.998, 0.9, 0.7, 0.5)
 """Where the second leg is tried first: at shares of the first, as far as it is free."""
 SHORTER = (1.0 / 32.0, 1.0 / 16.0, 0.125, 0.25, 0.5)
 """Shares of the first leg that are tried with a second leg that is known to be free."""
@@ -23,7 +23,6 @@ ACROSS = 0.9
 """Legs with a larger cosine are along each other."""
 LEAST_SHARE = 0.02
 """The first leg is at least this long, in sizes of the part."""
-_BEFORE = 1.0 - 1e-6
 
 
 def two_legs(
@@ -55,7 +54,7 @@ def two_legs(
                 continue
             far = way_out(scene, tool, second) + free
             for share in STOPS:
-                stop = _moved(np.eye(4), _BEFORE * share * free * along)
+                stop = _moved(np.eye(4), share * free * along)
                 if is_free(stop, far * across):
                     shares = (each for each in SHORTER if each < share)
                     low = (_moved(np.eye(4), each * free * along) for each in shares)
