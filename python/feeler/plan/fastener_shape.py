@@ -42,6 +42,8 @@ from feeler.plan.fastener_view import (
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+HOLE = 0.02
+"""The least radius of a hole along the axis, relative to that of the shape."""
 ALIKE = 0.03
 """Principal values that differ by less, as a share of their sum, count as equal: threads and marks change them."""
 LEAST_ROUND = 0.68
@@ -64,6 +66,9 @@ STUD_SLENDER = 3.0
 """The least length of a stud, in diameters."""
 STEPPED = 1.1
 """A bore that is wider than another by this factor makes a step."""
+THICK_NUT = 0.08
+"""The least bore, relative to the width across flats, of a nut whose name says so: other thick prisms with a hole are
+spacers and knobs."""
 BORE_TO_12_POINT = 0.86
 """The same limit for a 12-point nut: M8 has 10 mm across flats."""
 WIDEST_FLANGE = 2.0
@@ -175,6 +180,22 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
         *("rod", sign * axis, top, length, is_two_sided, 0.5 * min(upper, lower), 2.0 * min(upper, lower)),
         *(np.nan, length, np.nan, False, "it is as wide in both directions across its axis"),
     )
+
+
+def bore_of(vertices: Floats, faces: Ints, looks: Looks) -> float | None:
+    """The diameter of the hole that goes through a shape along its axis; None if there is none."""
+    local = (vertices - looks.top) @ frame_of(looks.axis).T
+    flat = local[faces][:, :, :2]
+    after = flat[:, [1, 2, 0]]
+    sides = flat[:, :, 0] * after[:, :, 1] - flat[:, :, 1] * after[:, :, 0]
+    if ((sides > 0.0).all(axis=1) | (sides < 0.0).all(axis=1)).any():
+        return None  # a triangle is on the axis
+    along = after - flat
+    square = np.maximum(np.einsum("nki,nki->nk", along, along), 1e-300)
+    share = np.clip(-np.einsum("nki,nki->nk", flat, along) / square, 0.0, 1.0)
+    nearest = float(np.linalg.norm(flat + share[:, :, None] * along, axis=2).min())
+    wide = float(np.hypot(local[:, 0], local[:, 1]).max())
+    return 2.0 * float(np.hypot(local[:, 0], local[:, 1]).min()) if nearest > HOLE * wide else None
 
 
 def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Iterator[Floats]:
@@ -365,7 +386,8 @@ def _nut(view: View) -> Found | None:
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
         return None
     least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())
-    if not BORE_TO_FLATS[0] <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
+    is_thick = least < BORE_TO_FLATS[0] * body.radius
+    if not THICK_NUT <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
         return None
     if not NUT_HEIGHT[0] <= full / (2.0 * body.radius) <= NUT_HEIGHT[1] or body.height < 0.4 * full:
         return None
@@ -393,8 +415,8 @@ def _nut(view: View) -> Found | None:
         if float(floor.max()) < 0.5 * (view.low + view.high):
             return None
         is_two_sided = False
-    is_strong = body.sides != 4
-    return Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong)
+    is_strong = body.sides != 4 and not is_thick
+    return Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong, None, is_thick)
 
 
 def _wing_nut(view: View) -> Found | None:

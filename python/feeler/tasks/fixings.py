@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -144,7 +145,11 @@ class Fixings:
         """The shank that a fastener has, or is."""
         if part in self._rows or part not in self._held:
             return self._rows.get(part)
-        return pin_rod(self._held[part].path, part, PartMeshes(self.scene.mockup).mesh(part)[0])
+        return pin_rod(self._held[part].path, part, self._meshes.mesh(part)[0])
+
+    @cached_property
+    def _meshes(self) -> PartMeshes:
+        return PartMeshes(self.scene.mockup)
 
     def captive_on(self, part: int) -> int | None:
         """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""
@@ -194,7 +199,7 @@ class Fixings:
             shanks = [self._rows[mate] for mate in hold.mates if mate in self._rows and self._rows[mate].kind != "nut"]
             if shanks:
                 return max(row.size, shanks[0].size), row.length + _beyond(row, shanks[0])
-            thread = [each for each in in_bore(self._bare, row) if each.part == anchor]
+            thread = [each for each in in_bore(self._bare, row, self._meshes) if each.part == anchor]
             if thread:
                 return 2.0 * thread[0].radius, min(thread[0].top - thread[0].bottom + row.length / LEVELS, row.length)
             return row.size, row.length
