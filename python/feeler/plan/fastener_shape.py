@@ -9,7 +9,7 @@ head separates bolts from nuts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -145,7 +145,7 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
         best = best or found
     if best is not None:
         return best
-    rare = [_recognised(view, axis, centre, LESS_USUAL) for view, axis in views]
+    rare = [_recognised(view, axis, centre, _LESS_USUAL) for view, axis in views]
     return next((found for found in sorted(filter(None, rare), key=lambda found: not found.is_strong)), None)
 
 
@@ -369,7 +369,7 @@ def _recessed_screw(view: View) -> Found | None:
     return Found("screw", 2.0 * radius, flats, length, view.high - bearing, head, because, recess.drive)
 
 
-def _nut(view: View) -> Found | None:
+def _nut(view: View, narrowest: float = BORE_TO_FLATS[0]) -> Found | None:
     prisms = [b for b in view.outer() if b.sides]
     bores = [b for b in view.inner() if b.sides or b.directions != 6]  # six directions may be a castle nut's slots
     if not prisms or not bores:
@@ -386,8 +386,7 @@ def _nut(view: View) -> Found | None:
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
         return None
     least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())
-    is_thick = least < BORE_TO_FLATS[0] * body.radius
-    if not THICK_NUT <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
+    if not narrowest <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
         return None
     if not NUT_HEIGHT[0] <= full / (2.0 * body.radius) <= NUT_HEIGHT[1] or body.height < 0.4 * full:
         return None
@@ -415,8 +414,14 @@ def _nut(view: View) -> Found | None:
         if float(floor.max()) < 0.5 * (view.low + view.high):
             return None
         is_two_sided = False
-    is_strong = body.sides != 4 and not is_thick
-    return Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong, None, is_thick)
+    is_strong = body.sides != 4
+    return Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong)
+
+
+def _thick_nut(view: View) -> Found | None:
+    """A nut whose bore is narrow for its width."""
+    found = _nut(view, THICK_NUT)
+    return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
 
 
 def _wing_nut(view: View) -> Found | None:
@@ -498,3 +503,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, _thick_nut)

@@ -12,12 +12,13 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
+from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
-from feeler.tasks.retainers import pin_rod
+from feeler.tasks.retainers import gripped, pin_rod
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
@@ -69,6 +70,7 @@ class Fixings:
         self._bare = scene.only(mask)
         self._washers = self._sorted_washers(held)
         self._known: dict[int, Fixing] = {}
+        self._gripped: dict[int, tuple[int, ...]] = {}
         self._captive: dict[int, int | None] = {}
         self.studs: dict[int, int] = {
             hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
@@ -114,7 +116,7 @@ class Fixings:
         hold = self._held[part]
         if hold.kind in _LOOSE or not hold.parts:
             return ()
-        ends = [*hold.parts, self._end(hold)]
+        ends = [*hold.parts, self._end(hold), *self._grips(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))
 
     def axis_mates(self, part: int) -> tuple[int, ...]:
@@ -170,6 +172,19 @@ class Fixings:
             if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), far, touching="free") is not None:
                 return each
         return None
+
+    def _grips(self, hold: Hold) -> tuple[int, ...]:
+        """What the clamps that a fastener closes hold a hose on, if it is fastened in nothing else."""
+        if hold.fastener not in self._gripped:
+            names, found = self.scene.mockup.part_names, list[int]()
+            parts = dict.fromkeys((hold.fastener, *hold.parts))
+            if self._end(hold) in (None, *hold.parts):
+                for clamp in [part for part in parts if retainer_said(names[part]) == "clasp"]:
+                    if self.scene.part_mask[clamp]:
+                        held = [part for part in hold.parts if part != clamp]
+                        found += gripped(self._bare, clamp, held, self._meshes)
+            self._gripped[hold.fastener] = tuple(dict.fromkeys(found))
+        return self._gripped[hold.fastener]
 
     def _end(self, hold: Hold) -> int | None:
         """The part that it is fastened in: through its stud, not through its nut."""

@@ -156,13 +156,13 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
         for way in ring:
             at = np.einsum("nij,j->ni", frames[:, :3, :3], way) * (beside * sizes)[:, None]
             origins = frames[:, :3, 3] + at + spans[:, :1] * frames[:, :3, 2]
-            ends = _through(scene, origins, -frames[:, :3, 2], spans[:, 0] - spans[:, 1])[0]
+            ends = through(scene, origins, -frames[:, :3, 2], spans[:, 0] - spans[:, 1])[0]
             middle = spans[:, :1] - 0.5 * (ends[:, 1:] + ends[:, :-1])
             columns.append(np.where(np.isfinite(middle), middle, spans[:, :1]))
     return np.concatenate(columns, axis=1)
 
 
-def _through(
+def through(
     scene: Scene, origins: Floats, ways: Floats, lengths: Floats
 ) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
     """All that rays meet up to their lengths: distances, parts and whether they enter them, (n, `_LAYERS`); infinite
@@ -227,7 +227,7 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     lengths = spans[:, 0] - spans[:, 1]
     above = _ABOVE * lengths  # the end of the shank may be in the face of a part
     origins = frames[:, :3, 3] + (spans[:, :1] + above[:, None]) * frames[:, :3, 2]
-    far, parts, enters = _through(scene, origins, -frames[:, :3, 2], lengths + above)
+    far, parts, enters = through(scene, origins, -frames[:, :3, 2], lengths + above)
     found: list[list[Passed]] = []
     windings = _Windings(scene)
     for n in range(len(frames)):
