@@ -15,6 +15,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
+from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
@@ -71,6 +72,7 @@ class Fixings:
         self._washers = self._sorted_washers(held)
         self._known: dict[int, Fixing] = {}
         self._gripped: dict[int, tuple[int, ...]] = {}
+        self._free: dict[int, float] = {}
         self._captive: dict[int, int | None] = {}
         self.studs: dict[int, int] = {
             hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
@@ -154,7 +156,8 @@ class Fixings:
         return PartMeshes(self.scene.mockup)
 
     def captive_on(self, part: int) -> int | None:
-        """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""
+        """Of a union nut: the pipe that it cannot be drawn off; of a captive screw: the part that it cannot be drawn
+        out of. It stays there when it is undone."""
         if part not in self._captive:
             self._captive[part] = self._held_on(part)
         return self._captive[part]
@@ -162,8 +165,10 @@ class Fixings:
     def _held_on(self, part: int) -> int | None:
         row, hold = self._rows.get(part), self._held[part]
         held = [each for each in hold.parts if each != part and self.scene.part_mask[each]]
-        if row is None or row.kind != "nut" or hold.mates or not held:
+        if row is None or hold.mates or not held:
             return None
+        if row.kind != "nut":
+            return self._captive_in(row, hold, held)
         own = Tool.of_parts(self.scene.mockup, [part])
         far = np.eye(4)
         far[:3, 3] = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0])) * row.axis
@@ -172,6 +177,21 @@ class Fixings:
             if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), far, touching="free") is not None:
                 return each
         return None
+
+    def _captive_in(self, row: Fastener, hold: Hold, held: list[int]) -> int | None:
+        """What a screw whose thread is wider than a hole above it cannot be drawn out of, if it is out of its thread
+        before it meets that."""
+        if not (math.isfinite(row.length) and has_neck(self._meshes.mesh(row.part)[0], row)):
+            return None
+        own = Tool.of_parts(self.scene.mockup, [row.part])
+        far = BEYOND * row.length
+        free = {each: free_travel(self.scene.only([each]), own, row.axis, far) for each in held if each != hold.anchor}
+        met = [(travel, each) for each, travel in free.items() if travel is not None]
+        if not met:
+            return None
+        travel, first = min(met)
+        self._free[row.part] = travel
+        return first if self._engaged(row, hold)[1] <= travel else None
 
     def _grips(self, hold: Hold) -> tuple[int, ...]:
         """What the clamps that a fastener closes hold a hose on, if it is fastened in nothing else."""
@@ -200,12 +220,20 @@ class Fixings:
         hold, row = self._held[part], self._rows.get(part)
         if row is None:
             return Fixing(hold, None, Turns(0.0, ""), 0.0)
-        facts = [[*facts_of(self._rows.get(each)), each == hold.anchor] for each in (part, *hold.mates)]
-        anchor = None if hold.anchor is None else PartNumber(hold.anchor)
-        size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
+        size, engaged = self._engaged(row, hold)
         turns = self.times.turns(row.path, nominal(row, size), engaged)
         length = row.length if math.isfinite(row.length) else 0.0
-        return Fixing(hold, row, turns, BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length))
+        travel = BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length)
+        if self.captive_on(part) is not None and part in self._free:
+            travel = min(BEYOND * engaged, self._free[part])
+        return Fixing(hold, row, turns, travel)
+
+    def _engaged(self, row: Fastener, hold: Hold) -> tuple[float, float]:
+        """As `_thread`, remembered."""
+        facts = [[*facts_of(self._rows.get(each)), each == hold.anchor] for each in (row.part, *hold.mates)]
+        anchor = None if hold.anchor is None else PartNumber(hold.anchor)
+        size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
+        return size, engaged
 
     def _thread(self, row: Fastener, hold: Hold) -> tuple[float, float]:
         """The diameter of its thread, and how far it is turned, metres."""

@@ -162,9 +162,7 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
     return np.concatenate(columns, axis=1)
 
 
-def through(
-    scene: Scene, origins: Floats, ways: Floats, lengths: Floats
-) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
+def through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
     """All that rays meet up to their lengths: distances, parts and whether they enter them, (n, `_LAYERS`); infinite
     and -1 beyond the last."""
     far = np.full((len(origins), _LAYERS), np.inf)
