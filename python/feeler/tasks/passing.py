@@ -88,7 +88,9 @@ def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     )
     parts, far = _flat(hits, (len(rows), count, _AROUND))
     parts[far > _REACH * sizes[:, None, None]] = -1
-    found = [_around(parts[n], far[n], levels[n]) for n in range(len(rows))]
+    # Unused layers are at the top: in the plane of a flush face, rays may hit its edges.
+    is_in = levels < spans[:, :1]
+    found = [_around(parts[n, is_in[n]], far[n, is_in[n]], levels[n, is_in[n]]) for n in range(len(rows))]
     for n, more in enumerate(_solid(scene, frames, spans)):
         # Near to one height alone, rays may be in the face of a part without a hole.
         solid, thin = {each.part for each in more}, _THIN * float(spans[n, 0] - spans[n, 1])
