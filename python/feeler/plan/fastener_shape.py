@@ -9,7 +9,7 @@ head separates bolts from nuts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +43,8 @@ from feeler.plan.fastener_view import (
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+HOLE = 0.02
+"""The least radius of a hole along the axis, relative to that of the shape."""
 ALIKE = 0.03
 """Principal values that differ by less, as a share of their sum, count as equal: threads and marks change them."""
 LEAST_ROUND = 0.68
@@ -65,6 +67,9 @@ STUD_SLENDER = 3.0
 """The least length of a stud, in diameters."""
 STEPPED = 1.1
 """A bore that is wider than another by this factor makes a step."""
+THICK_NUT = 0.08
+"""The least bore, relative to the width across flats, of a nut whose name says so: other thick prisms with a hole are
+spacers and knobs."""
 BORE_TO_12_POINT = 0.86
 """The same limit for a 12-point nut: M8 has 10 mm across flats."""
 WIDEST_FLANGE = 2.0
@@ -141,7 +146,7 @@ def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
         best = best or found
     if best is not None:
         return best
-    rare = [_recognised(view, axis, centre, LESS_USUAL) for view, axis in views]
+    rare = [_recognised(view, axis, centre, _LESS_USUAL) for view, axis in views]
     return next((found for found in sorted(filter(None, rare), key=lambda found: not found.is_strong)), None)
 
 
@@ -176,6 +181,22 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
         *("rod", sign * axis, top, length, is_two_sided, 0.5 * min(upper, lower), 2.0 * min(upper, lower)),
         *(np.nan, length, np.nan, False, "it is as wide in both directions across its axis"),
     )
+
+
+def bore_of(vertices: Floats, faces: Ints, looks: Looks) -> float | None:
+    """The diameter of the hole that goes through a shape along its axis; None if there is none."""
+    local = (vertices - looks.top) @ frame_of(looks.axis).T
+    flat = local[faces][:, :, :2]
+    after = flat[:, [1, 2, 0]]
+    sides = flat[:, :, 0] * after[:, :, 1] - flat[:, :, 1] * after[:, :, 0]
+    if ((sides > 0.0).all(axis=1) | (sides < 0.0).all(axis=1)).any():
+        return None  # a triangle is on the axis
+    along = after - flat
+    square = np.maximum(np.einsum("nki,nki->nk", along, along), 1e-300)
+    share = np.clip(-np.einsum("nki,nki->nk", flat, along) / square, 0.0, 1.0)
+    nearest = float(np.linalg.norm(flat + share[:, :, None] * along, axis=2).min())
+    wide = float(np.hypot(local[:, 0], local[:, 1]).max())
+    return 2.0 * float(np.hypot(local[:, 0], local[:, 1]).min()) if nearest > HOLE * wide else None
 
 
 def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Iterator[Floats]:
@@ -350,7 +371,7 @@ def _recessed_screw(view: View) -> Found | None:
     return Found("screw", size, flats, length, view.high - bearing, head, because, recess.drive)
 
 
-def _nut(view: View) -> Found | None:
+def _nut(view: View, narrowest: float = BORE_TO_FLATS[0]) -> Found | None:
     prisms = [b for b in view.outer() if b.sides]
     bores = [b for b in view.inner() if b.sides or b.directions != 6]  # six directions may be a castle nut's slots
     if not prisms or not bores:
@@ -367,7 +388,7 @@ def _nut(view: View) -> Found | None:
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
         return None
     least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())
-    if not BORE_TO_FLATS[0] <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
+    if not narrowest <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
         return None
     if not NUT_HEIGHT[0] <= full / (2.0 * body.radius) <= NUT_HEIGHT[1] or body.height < 0.4 * full:
         return None
@@ -397,6 +418,12 @@ def _nut(view: View) -> Found | None:
         is_two_sided = False
     is_strong = body.sides != 4
     return Found("nut", size, flats, full, full, ring, because, name, is_two_sided, is_strong)
+
+
+def _thick_nut(view: View) -> Found | None:
+    """A nut whose bore is narrow for its width."""
+    found = _nut(view, THICK_NUT)
+    return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
 
 
 def _wing_nut(view: View) -> Found | None:
@@ -478,3 +505,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, _thick_nut)

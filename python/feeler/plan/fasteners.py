@@ -17,7 +17,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import kind_said, says_nothing
-from feeler.plan.fastener_shape import Looks, looks_of, rod_of
+from feeler.plan.fastener_shape import Looks, bore_of, looks_of, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
 from feeler.progress import Progress
@@ -295,6 +295,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
     looks = looks_of(shape.vertices, faces)
     names = [said[part] for part in shape.parts]
     rod = rod_of(shape.vertices, faces) if looks is None and any(kind in KINDS for kind in names) else None
+    bore = bore_of(shape.vertices, faces, rod) if rod is not None and "nut" in names else None
     found = []
     for part, place, name in zip(shape.parts.tolist(), shape.places, names, strict=True):
         seen = looks or (rod if name in KINDS else None)
@@ -310,7 +311,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             path=world.part_paths[part],
             kind=kind,
             frame=framed(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
-            size=seen.size,
+            size=bore if bore is not None and kind == "nut" else seen.size,
             across_flats=seen.across_flats,
             length=seen.length,
             head_height=seen.head_height,

@@ -15,6 +15,7 @@ from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.ahead import Ahead
+from feeler.tasks.captive import depth
 from feeler.tasks.carried import Carried
 from feeler.tasks.elastic import Rings
 from feeler.tasks.fixings import Fixing, Fixings
@@ -238,7 +239,7 @@ class Actions:
         return self.reaching.reached(fixing.row, self.gone(out) - {fixing.part}, fixing.turns.count)
 
     def gone(self, out: Iterable[int]) -> frozenset[int]:
-        """The parts that are away while items are out: union nuts stay on their pipes."""
+        """The parts that are away while items are out: union nuts and captive screws stay."""
         away = [item for item in out if not self.is_captive(item)]
         wanted = () if self.question.wanted else (TARGET,)
         return frozenset(self.question.parts_of(item for item in away if item not in wanted))
@@ -383,10 +384,10 @@ class Actions:
         found: set[int] = set()
         for part in sorted(parts):
             alone = rest.only([part])
-            limit = DEEPER_M + (1.0 + DEEPER_SHARE) * _depth(alone, tool, np.eye(4))
+            limit = DEEPER_M + (1.0 + DEEPER_SHARE) * depth(alone, tool, np.eye(4))
             for share in DRAWN_SHARES:
                 self.clock.look()
-                if _depth(alone, tool, self.drawn(fixing, share)) > limit:
+                if depth(alone, tool, self.drawn(fixing, share)) > limit:
                     found.add(part)
                     break
         return found
@@ -419,7 +420,3 @@ class Actions:
         bounds = question.scene.mockup.part_bounds.reshape(-1, 2, 3)
         meets = ((bounds[:, 0] <= upper) & (bounds[:, 1] >= lower)).all(axis=1) & question.scene.part_mask
         return frozenset(np.flatnonzero(meets).tolist()) - set(own)
-
-
-def _depth(alone: Scene, tool: Tool, pose: Floats) -> float:
-    return max(alone.depth(tool, pose).depths.tolist(), default=0.0)

@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
+from feeler.plan.fastener_names import retainer_said
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
+from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
+from feeler.tasks.retainers import gripped
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
 
@@ -68,6 +72,8 @@ class Fixings:
         self._bare = scene.only(mask)
         self._washers = self._sorted_washers(held)
         self._known: dict[int, Fixing] = {}
+        self._gripped: dict[int, tuple[int, ...]] = {}
+        self._free: dict[int, float] = {}
         self._captive: dict[int, int | None] = {}
         self.studs: dict[int, int] = {
             hold.fastener: hold.anchor for hold in held if hold.kind == "stud" and hold.anchor is not None
@@ -113,7 +119,7 @@ class Fixings:
         hold = self._held[part]
         if hold.kind in _LOOSE or not hold.parts:
             return ()
-        ends = [*hold.parts, self._end(hold)]
+        ends = [*hold.parts, self._end(hold), *self._grips(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))
 
     def axis_mates(self, part: int) -> tuple[int, ...]:
@@ -144,10 +150,15 @@ class Fixings:
         """The shank that a fastener has, or is."""
         if part in self._rows or part not in self._held:
             return self._rows.get(part)
-        return pin_shank(self.scene, part, PartMeshes(self.scene.mockup).mesh(part)[0])
+        return pin_shank(self.scene, part, self._meshes.mesh(part)[0])
+
+    @cached_property
+    def _meshes(self) -> PartMeshes:
+        return PartMeshes(self.scene.mockup)
 
     def captive_on(self, part: int) -> int | None:
-        """Of a union nut: the pipe that it cannot be drawn off. It stays on it when it is undone."""
+        """Of a union nut: the pipe that it cannot be drawn off; of a captive screw: the part that it cannot be drawn
+        out of. It stays there when it is undone."""
         if part not in self._captive:
             self._captive[part] = self._held_on(part)
         return self._captive[part]
@@ -155,8 +166,10 @@ class Fixings:
     def _held_on(self, part: int) -> int | None:
         row, hold = self._rows.get(part), self._held[part]
         held = [each for each in hold.parts if each != part and self.scene.part_mask[each]]
-        if row is None or row.kind != "nut" or hold.mates or not held:
+        if row is None or hold.mates or not held:
             return None
+        if row.kind != "nut":
+            return self._captive_in(row, hold, held)
         own = Tool.of_parts(self.scene.mockup, [part])
         far = np.eye(4)
         far[:3, 3] = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0])) * row.axis
@@ -165,6 +178,34 @@ class Fixings:
             if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), far, touching="free") is not None:
                 return each
         return None
+
+    def _captive_in(self, row: Fastener, hold: Hold, held: list[int]) -> int | None:
+        """What a screw whose thread is wider than a hole above it cannot be drawn out of, if it is out of its thread
+        before it meets that."""
+        if not (math.isfinite(row.length) and has_neck(self._meshes.mesh(row.part)[0], row)):
+            return None
+        own = Tool.of_parts(self.scene.mockup, [row.part])
+        far = BEYOND * row.length
+        free = {each: free_travel(self.scene.only([each]), own, row.axis, far) for each in held if each != hold.anchor}
+        met = [(travel, each) for each, travel in free.items() if travel is not None]
+        if not met:
+            return None
+        travel, first = min(met)
+        self._free[row.part] = travel
+        return first if self._engaged(row, hold)[1] <= travel else None
+
+    def _grips(self, hold: Hold) -> tuple[int, ...]:
+        """What the clamps that a fastener closes hold a hose on, if it is fastened in nothing else."""
+        if hold.fastener not in self._gripped:
+            names, found = self.scene.mockup.part_names, list[int]()
+            parts = dict.fromkeys((hold.fastener, *hold.parts))
+            if self._end(hold) in (None, *hold.parts):
+                for clamp in [part for part in parts if retainer_said(names[part]) == "clasp"]:
+                    if self.scene.part_mask[clamp]:
+                        held = [part for part in hold.parts if part != clamp]
+                        found += gripped(self._bare, clamp, held, self._meshes)
+            self._gripped[hold.fastener] = tuple(dict.fromkeys(found))
+        return self._gripped[hold.fastener]
 
     def _end(self, hold: Hold) -> int | None:
         """The part that it is fastened in: through its stud, not through its nut."""
@@ -180,12 +221,20 @@ class Fixings:
         hold, row = self._held[part], self._rows.get(part)
         if row is None:
             return Fixing(hold, None, Turns(0.0, ""), 0.0)
-        facts = [[*facts_of(self._rows.get(each)), each == hold.anchor] for each in (part, *hold.mates)]
-        anchor = None if hold.anchor is None else PartNumber(hold.anchor)
-        size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
+        size, engaged = self._engaged(row, hold)
         turns = self.times.turns(row.path, nominal(row, size), engaged)
         length = row.length if math.isfinite(row.length) else 0.0
-        return Fixing(hold, row, turns, BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length))
+        travel = BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length)
+        if self.captive_on(part) is not None and part in self._free:
+            travel = min(BEYOND * engaged, self._free[part])
+        return Fixing(hold, row, turns, travel)
+
+    def _engaged(self, row: Fastener, hold: Hold) -> tuple[float, float]:
+        """As `_thread`, remembered."""
+        facts = [[*facts_of(self._rows.get(each)), each == hold.anchor] for each in (row.part, *hold.mates)]
+        anchor = None if hold.anchor is None else PartNumber(hold.anchor)
+        size, engaged = self._bare._recalled("thread", [], [anchor, *facts], lambda: list(self._thread(row, hold)))
+        return size, engaged
 
     def _thread(self, row: Fastener, hold: Hold) -> tuple[float, float]:
         """The diameter of its thread, and how far it is turned, metres."""
@@ -194,7 +243,7 @@ class Fixings:
             shanks = [self._rows[mate] for mate in hold.mates if mate in self._rows and self._rows[mate].kind != "nut"]
             if shanks:
                 return max(row.size, shanks[0].size), row.length + _beyond(row, shanks[0])
-            thread = [each for each in in_bore(self._bare, row) if each.part == anchor]
+            thread = [each for each in in_bore(self._bare, row, self._meshes) if each.part == anchor]
             if thread:
                 return 2.0 * thread[0].radius, min(thread[0].top - thread[0].bottom + row.length / LEVELS, row.length)
             return row.size, row.length

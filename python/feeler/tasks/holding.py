@@ -50,6 +50,8 @@ PLAY = 0.02
 """What ends this near to the bearing face of a nut is on one side of it, in diameters."""
 WASHER_GAP = 0.03
 """How far washers may be from each other and from their head, in diameters."""
+CLOSING = ("bolt", "screw", "nut")
+"""Kinds that close a clamp."""
 OUTER_DRIVES = ("hexagon", "square", "12-point")
 WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
@@ -165,7 +167,11 @@ def holds(
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     held = {part for row in kept.values() for part in row.parts}
     for each in clips(scene, held | taken, set(kept)):
-        kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+        closing = [row for row in kept.values() if _closes(row, each)]
+        for row in closing:
+            kept[row.fastener] = _closing(scene.mockup, row, each)
+        if not closing:
+            kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for row in [each for each in kept.values() if each.kind == "fitting"]:
         kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
     for whole in bearings:
@@ -182,6 +188,20 @@ def holds(
     if progress is not None:
         progress(1.0, "done")
     return Holds(kept.values())
+
+
+def _closes(row: Hold, clamp: Retained) -> bool:
+    """Whether a fastener has its thread in a clamp that nothing else holds, and holds no other part: its head bears on
+    one ear of the clamp, and its thread is in the other."""
+    return row.kind in CLOSING and row.anchor == clamp.part and row.parts == (row.fastener,)
+
+
+def _closing(mockup: Mockup, row: Hold, clamp: Retained) -> Hold:
+    """The screw of a clamp: it holds the clamp, and what that touches."""
+    parts = (clamp.part, *(part for part in clamp.parts if part not in row.washers))
+    paths = tuple(mockup.part_paths[part] for part in parts)
+    said = f"its thread is in {row.anchor_path!r}, which it closes; what its clamps touch comes loose too"
+    return replace(row, parts=parts, paths=paths, because=said)
 
 
 def _without_nuts(mockup: Mockup, fitting: Hold, rows: Iterable[Hold]) -> Hold:
@@ -381,7 +401,7 @@ class _Holding:
 
     def _of_union(self, nut: Fastener) -> Hold:
         """A nut without a shank of its own: on a pipe, or on the thread of a part."""
-        inside = in_bore(self.bare, nut)
+        inside = in_bore(self.bare, nut, self.meshes)
         threads = [each for each in inside if each.radius >= THREADED * 0.5 * nut.size]
         anchor = min(threads, key=lambda each: (self._play(nut, each), each.bottom), default=None)
         held = [each for each in inside if each.part != _part(anchor)]

@@ -88,7 +88,9 @@ def _passed(scene: Scene, rows: Sequence[Fastener]) -> list[list[Passed]]:
     )
     parts, far = _flat(hits, (len(rows), count, _AROUND))
     parts[far > _REACH * sizes[:, None, None]] = -1
-    found = [_around(parts[n], far[n], levels[n]) for n in range(len(rows))]
+    # Unused layers are at the top: in the plane of a flush face, rays may hit its edges.
+    is_in = levels < spans[:, :1]
+    found = [_around(parts[n, is_in[n]], far[n, is_in[n]], levels[n, is_in[n]]) for n in range(len(rows))]
     for n, more in enumerate(_solid(scene, frames, spans)):
         # Near to one height alone, rays may be in the face of a part without a hole.
         solid, thin = {each.part for each in more}, _THIN * float(spans[n, 0] - spans[n, 1])
@@ -159,15 +161,13 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
         for way in ring:
             at = np.einsum("nij,j->ni", frames[:, :3, :3], way) * (beside * sizes)[:, None]
             origins = frames[:, :3, 3] + at + spans[:, :1] * frames[:, :3, 2]
-            ends = _through(scene, origins, -frames[:, :3, 2], spans[:, 0] - spans[:, 1])[0]
+            ends = through(scene, origins, -frames[:, :3, 2], spans[:, 0] - spans[:, 1])[0]
             middle = spans[:, :1] - 0.5 * (ends[:, 1:] + ends[:, :-1])
             columns.append(np.where(np.isfinite(middle), middle, spans[:, :1]))
     return np.concatenate(columns, axis=1)
 
 
-def _through(
-    scene: Scene, origins: Floats, ways: Floats, lengths: Floats
-) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
+def through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tuple[Floats, Ints, npt.NDArray[np.bool_]]:
     """All that rays meet up to their lengths: distances, parts and whether they enter them, (n, `_LAYERS`); infinite
     and -1 beyond the last."""
     far = np.full((len(origins), _LAYERS), np.inf)
@@ -230,7 +230,7 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     lengths = spans[:, 0] - spans[:, 1]
     above = _ABOVE * lengths  # the end of the shank may be in the face of a part
     origins = frames[:, :3, 3] + (spans[:, :1] + above[:, None]) * frames[:, :3, 2]
-    far, parts, enters = _through(scene, origins, -frames[:, :3, 2], lengths + above)
+    far, parts, enters = through(scene, origins, -frames[:, :3, 2], lengths + above)
     found: list[list[Passed]] = []
     windings = _Windings(scene)
     for n in range(len(frames)):
@@ -256,17 +256,46 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     return found
 
 
-def in_bore(scene: Scene, nut: Fastener) -> list[Passed]:
-    """The outermost parts in the bore of a nut, the one nearest to its top first. scene: without the fasteners."""
+def in_bore(scene: Scene, nut: Fastener, meshes: PartMeshes) -> list[Passed]:
+    """The outermost parts in the bore of a nut, the one nearest to its top first.
+
+    scene: without the fasteners; meshes: of all parts of its mock-up.
+    """
     if not (np.isfinite(nut.size) and np.isfinite(nut.length) and nut.size > 0.0):
         return []
-    begin = _BORE[1] * nut.across_flats if np.isfinite(nut.across_flats) else _BORE[0] * nut.size
     levels = -nut.length * (np.arange(LEVELS) + 0.5) / LEVELS
     ways = _ring() @ nut.frame[:3, :3].T
-    origins = nut.frame[:3, 3] + levels[:, None, None] * nut.axis + begin * ways
-    hits = scene.rays(origins.reshape(-1, 3), np.broadcast_to(-ways, (LEVELS, _AROUND, 3)).reshape(-1, 3), within=begin)
-    parts, far = _flat(hits, (LEVELS, _AROUND))
+    middles = nut.frame[:3, 3] + levels[:, None] * nut.axis
+    begin = _beside_bore(meshes, nut, levels)[:, None]
+    origins = middles[:, None] + begin[:, :, None] * ways
+    within = float(begin.max())
+    directions = np.broadcast_to(-ways, (LEVELS, _AROUND, 3)).reshape(-1, 3)
+    parts, far = _flat(scene.rays(origins.reshape(-1, 3), directions, within=within), (LEVELS, _AROUND))
+    parts[far > begin] = -1  # beyond the axis
     return _around(parts, begin - far, levels)
+
+
+def _beside_bore(meshes: PartMeshes, nut: Fastener, levels: Floats) -> Floats:
+    """How far from the axis rays into a nut begin at each height, metres: in its wall, outside of a thread that is
+    drawn wider than the bore.
+
+    Nuts that are no hexagons have no width across flats, and a bore that may be wider at some heights: there it is
+    where the edges of the mesh are nearest to the axis.
+    """
+    if np.isfinite(nut.across_flats):
+        return np.full(len(levels), _BORE[1] * nut.across_flats)
+    vertices, faces = meshes.mesh(nut.part)
+    local = (vertices - nut.frame[:3, 3]) @ nut.frame[:3, :3]
+    begin, end = local[faces].reshape(-1, 3), local[faces[:, [1, 2, 0]]].reshape(-1, 3)
+    walls = np.full(len(levels), 0.5 * nut.size)
+    for n, level in enumerate(levels):
+        crossing = (begin[:, 2] < level) != (end[:, 2] < level)
+        if crossing.any():
+            low, high = begin[crossing], end[crossing]
+            share = (level - low[:, 2]) / (high[:, 2] - low[:, 2])
+            at = low[:, :2] + share[:, None] * (high - low)[:, :2]
+            walls[n] = float(np.hypot(at[:, 0], at[:, 1]).min())
+    return np.asarray(2.0 * _BORE[0] * walls)
 
 
 def under(scene: Scene, row: Fastener, within: float) -> list[int]:

@@ -16,7 +16,7 @@ from feeler.plan.fastener_names import is_pipe, retainer_said
 from feeler.plan.fastener_shape import rod_of
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
-from feeler.tasks.passing import passed_by
+from feeler.tasks.passing import passed_by, through
 from feeler.tasks.rings import ring_of
 
 Floats = npt.NDArray[np.float64]
@@ -86,6 +86,33 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
         )
         rows.append(Retained(rod.part, "dowel" if is_dowel else "pin", parts, None, f"{how}; its name says pin"))
     return rows
+
+
+def gripped(scene: Scene, clamp: int, held: Iterable[int], meshes: PartMeshes) -> list[int]:
+    """What is inside of the parts that a clamp clasps, such as the spigot that a hose is on.
+
+    Rays from the clamp go through the wall of such a part, and no farther than what touches it there. scene: without
+    fasteners; held: what the clamp clasps; meshes: of all parts.
+    """
+    corners = meshes.corners(clamp)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(normals, axis=1)
+    corners, normals = corners[sizes > 0.0], normals[sizes > 0.0] / sizes[sizes > 0.0, None]
+    # It may be wound inside out.
+    ways = np.concatenate([normals, -normals])
+    origins = np.tile(corners.mean(axis=1), (2, 1)) - CLASP_M * ways
+    near = _without(scene, [clamp])
+    lengths = np.full(len(ways), float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0))) if len(ways) else 0.0)
+    far, parts, _ = through(near, origins, ways, lengths)
+    found: set[int] = set()
+    for part in held:
+        wall = np.sort(np.where(parts == part, far, np.inf), axis=1)[:, :2]
+        is_met = (wall[:, 0] <= 2.0 * CLASP_M) & np.isfinite(wall[:, 1])
+        if is_met.any():
+            others = (parts >= 0) & is_met[:, None] & (far <= wall[:, 1:] + CLASP_M) & (far >= wall[:, :1])
+            names, counts = np.unique(parts[others], return_counts=True)
+            found.update(names[counts >= _LEAST * is_met.sum()].tolist())
+    return sorted(found - set(held) - {clamp})
 
 
 def clips(scene: Scene, held: set[int], but: set[int]) -> list[Retained]:

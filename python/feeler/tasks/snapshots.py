@@ -289,9 +289,15 @@ def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Seque
     if hold is None:
         return Held(repr(facts), frozenset(), ())
     captive = fixings.captive_on(hold.fastener) if hold.fastener in fixings else None
-    joins = [*hold.parts, *(each for each in (hold.anchor, captive) if each is not None)]
+    more = fixings.joins(hold.fastener)
+    joins = [*hold.parts, *more, *(each for each in (hold.anchor, captive) if each is not None)]
     anchor = None if hold.anchor is None else keys[hold.anchor]
-    facts += [hold.kind, [keys[each] for each in hold.parts], [keys[each] for each in hold.mates]]
+    facts += [
+        hold.kind,
+        [keys[each] for each in hold.parts],
+        [keys[each] for each in more],
+        [keys[each] for each in hold.mates],
+    ]
     facts += [anchor, None if captive is None else keys[captive], [keys[each] for each in hold.washers]]
     facts.append([keys[each] for each in fixings.washers(hold.fastener)])
     return Held(repr(facts), frozenset(keys[each] for each in joins), tuple(keys[each] for each in hold.mates))

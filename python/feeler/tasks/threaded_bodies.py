@@ -32,7 +32,7 @@ def threaded_bodies(scene: Scene, rows: Sequence[Fastener]) -> set[int]:
     for nut in rows:
         if nut.kind != "nut" or nut.part in found:
             continue
-        for each in in_bore(alone, nut):
+        for each in in_bore(alone, nut, meshes):
             bolt = bolts[each.part]
             off = np.cross(bolt.axis, nut.frame[:3, 3] - bolt.frame[:3, 3])
             if abs(float(bolt.axis @ nut.axis)) < 0.99 or float(np.linalg.norm(off)) > 0.3 * nut.size:
