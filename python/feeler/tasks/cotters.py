@@ -127,7 +127,7 @@ class _Look:
 
     def thread(self, nut: Fastener, but: int) -> int | None:
         """The part that a nut is on."""
-        inside = in_bore(self.scene.without(sorted({*self.fasteners, but})), nut)
+        inside = in_bore(self.scene.without(sorted({*self.fasteners, but})), nut, self.meshes)
         return max(inside, key=lambda each: each.radius).part if inside else None
 
     def through(self, row: Fastener) -> Iterator[tuple[int, Shank]]:
