@@ -193,6 +193,64 @@ def test_a_part_that_goes_up_and_then_sideways_needs_no_others_out() -> None:
     assert kept.is_found and len(kept.steps) == 1
 
 
+def pocket(lidded: bool) -> dict[str, Mesh]:
+    """An insert in a pocket, below a lid and a bar, whose legs leave room for it beside them."""
+    walls = [box((-0.06, -0.06, -0.02), (-0.012, 0.06, 0.0)), box((0.012, -0.06, -0.02), (0.06, 0.06, 0.0))]
+    walls += [box((-0.012, y, -0.02), (0.012, y + 0.048, 0.0)) for y in (-0.06, 0.012)]
+    legs = [box((x, -0.012, 0.00002), (x + 0.008, 0.012, 0.04)) for x in (-0.06, 0.052)]
+    return {
+        "base": joined(box((-0.06, -0.06, -0.04), (0.06, 0.06, -0.02)), *walls),
+        "insert": box((-0.0119, -0.0119, -0.01998), (0.0119, 0.0119, -0.0001)),
+        "bar": joined(*legs, box((-0.06, -0.012, 0.04), (0.06, 0.012, 0.048))),
+        **({"lid": box((-0.03, -0.03, 0.00002), (0.03, 0.03, 0.008))} if lidded else {}),
+    }
+
+
+@pytest.mark.parametrize("kept", [["base"], ["base", "bar"]])
+def test_a_bent_way_is_asked_that_is_free_once_another_part_is_out(kept: list[str]) -> None:
+    for turn in (None, turn_of(6)):
+        task = feeler.task(scene_of(pocket(True), turn), "insert", keep=kept)
+        assert [step.paths for step in task.steps] == [("lid",), ("insert",)] and task.bound == task.seconds
+    lift = task.steps[-1].way[1] - task.steps[-1].way[0]
+    assert np.linalg.norm(lift[:3, 3]) < 0.04, "no higher than the bar"
+
+
+def test_a_part_that_comes_out_alone_leaves_no_other_with_it() -> None:
+    """A key in a slot that is closed above: sideways, then up. The body with it is bolted down."""
+    mesh = hardware.hex_bolt(0.008, 0.03, USUAL)
+    body = [box((-0.04, -0.02, 0.0), (0.04, 0.02, 0.01)), box((-0.04, -0.02, 0.01), (-0.02, 0.02, 0.03))]
+    body += [box((0.02, -0.02, 0.01), (0.04, 0.02, 0.03)), box((-0.02, 0.0, 0.022), (0.0, 0.02, 0.03))]
+    body += [
+        box((-0.02, -0.02, 0.022), (0.0, 0.0, 0.03)),
+        *(box((-0.02, y, 0.01), (0.02, y + 0.005, 0.022)) for y in (-0.02, 0.015)),
+    ]
+    flange = ring(0.0045, 0.0, 0.01)
+    parts = {
+        "bolt": (mesh.vertices + np.array([0.06, 0.0, 0.01]), mesh.faces.astype(np.int64)),
+        "body": joined(*body, (flange[0] + np.array([0.06, 0.0, 0.0]), flange[1])),
+        "key": box((-0.0199, -0.0149, 0.0101), (-0.0001, 0.0149, 0.0219)),
+        "ground": joined(
+            box((-0.04, -0.03, -0.03), (0.035, 0.03, -0.0001)), beside(ring(0.0034, -0.03, -0.0001), 0.06)
+        ),
+    }
+    task = feeler.task(scene_of(parts, turn_of(5)), "key")
+    assert [step.paths for step in task.steps] == [("key",)] and task.bound == task.seconds
+
+
+def beside(mesh: Mesh, x: float) -> Mesh:
+    return mesh[0] + np.array([x, 0.0, 0.0]), mesh[1]
+
+
+def test_nothing_is_out_that_is_in_all_that_is_left() -> None:
+    walls = [box((-0.02, -0.02, z), (0.02, 0.02, z + 0.005)) for z in (-0.02, 0.015)]
+    walls += [box((-0.02, y, -0.015), (0.02, y + 0.005, 0.015)) for y in (-0.02, 0.015)]
+    walls += [box((x, -0.015, -0.015), (x + 0.005, 0.015, 0.015)) for x in (-0.02, 0.015)]
+    task = feeler.task(
+        scene_of({"case": joined(*walls), "ball": box((-0.01, -0.01, -0.01), (0.01, 0.01, 0.01))}), "ball"
+    )
+    assert not task.is_found and task.blocked[0].because == "no way out was found"
+
+
 def test_a_hood_under_a_rail_needs_a_search_as_long_as_without_others() -> None:
     """It goes up until it clears the head of a bolt, and sideways below the rail."""
     mesh = hardware.hex_bolt(0.008, 0.02, USUAL)
