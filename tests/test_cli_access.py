@@ -195,7 +195,7 @@ def test_a_catalogue_chooses(stand: Path, tmp_path: Path) -> None:
     names = feeler.load_mockup(glb).part_paths
     assert any("ratchet (6.3) at targets/" in name and name.endswith("/hand") for name in names)
     own.write_text("version = 1\n[[open]]\n")
-    assert "[[open]] 1: sizes_mm is None" in error_of(*words, own)
+    assert "[[open]] 1 in line 2: sizes_mm is None" in error_of(*words, own)
     assert "give either --tool FILE or --catalogue FILE" in error_of("access", stand)
     assert "give either" in error_of(*words, "built-in", "--tool", "sample:hand")
     assert "needs a --catalogue with a [hand]" in error_of(

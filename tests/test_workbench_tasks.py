@@ -147,6 +147,7 @@ def test_edits_change_the_plan_and_undo_takes_them_back(world: feeler.Mockup) ->
         "times": [[second, 100.0]],
         "before": [[second, first]],
         "table": "",
+        "catalogue": "",
     }
     for expected in ([second, first], ["lid", second, first], ["lid", second, first], ["lid", first, second]):
         bench.command("undo")

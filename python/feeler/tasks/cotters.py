@@ -30,6 +30,10 @@ THIN = 0.6
 """The greatest radius of a cotter pin, in radii of the shank: holes across bolts are narrow."""
 SLENDER = 0.5
 """The greatest spread of it in the shank across its axis, over that along it."""
+NEEDLE = 0.01
+"""The least such spread: one edge alone is no pin."""
+FLAT = 0.05
+"""The least spread of it in its flattest direction, over that in the other one across its axis."""
 ACROSS = 0.2
 """The greatest cosine between its axis and that of the shank."""
 OUT = 0.8
@@ -220,6 +224,8 @@ def _shank_of(vertices: Floats, edges: Ints, row: Fastener) -> Shank | None:
     spread, axes = np.linalg.eigh(np.cov((points - middle).T))
     if spread[1] > SLENDER**2 * spread[2] or abs(float(axes[2, 2])) > ACROSS:
         return None
+    if spread[1] < NEEDLE**2 * spread[2] or spread[0] < FLAT**2 * spread[1]:
+        return None  # the diagonals of a plane face, or of the faces of a plate
     rough = Shank(row.frame[:3, :3] @ middle + row.frame[:3, 3], row.frame[:3, :3] @ axes[:, 2], 0.0)
     wide = float(rough.radii(points @ row.frame[:3, :3].T + row.frame[:3, 3]).max())
     heights = rough.heights(vertices)

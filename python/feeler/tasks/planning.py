@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
@@ -406,13 +406,20 @@ class _Planner:
             if item == TARGET and not question.wanted:
                 continue
             for riding in self._bodies(item):
-                node = self.actions.node(item, riding)
-                fasteners = self._look_around(node)
-                gone = graph.most_gone() | fasteners
-                gone |= graph.holding(node).union(*map(graph.holding, gone)) - {item}
-                if self.leading.search(item, riding, gone - {TARGET} - riding):
+                if any(self.leading.search(item, riding, gone - {TARGET, item}) for gone in self._gone(item, riding)):
                     return True
         return False
+
+    def _gone(self, item: int, riding: frozenset[int]) -> Iterator[frozenset[int]]:
+        """What may be out when a bent way of a part is searched: few items first, since a way that avoids the others
+        needs none of them undone."""
+        graph, node = self.actions.graph, self.actions.node(item, riding)
+        yield graph.most_gone() | graph.holding(node)
+        fasteners = self._look_around(node)
+        gone = graph.most_gone()
+        gone |= graph.holding(node).union(*map(graph.holding, gone)) - riding
+        yield gone
+        yield gone | fasteners
 
     def _look_around(self, node: int) -> frozenset[int]:
         """Lets the graph know how what stands around a part comes out; the fasteners among it, which may be undone."""
