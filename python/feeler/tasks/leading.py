@@ -11,9 +11,11 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.plan.blocking import box_of_parts, way_out
+from feeler.plan.frames import part_axes
 from feeler.plan.question import Clock, Direction
 from feeler.plan.removal import Allowed, Removal, not_tried, way_from
 from feeler.plan.sequence import Exit
+from feeler.poses import rotation
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import WayAsked
@@ -32,6 +34,8 @@ SHORTER_M = 1e-3
 """Ways that are shorter by less are not."""
 PLAY_SHARE = 0.02
 """How far a part can be moved at least before it is searched for a bent way, in sizes of it."""
+TURN_RAD = 0.03
+"""Or how far it can be turned."""
 
 
 @dataclass(frozen=True, eq=False)  # it holds arrays
@@ -206,6 +210,26 @@ class Leading:
             blockers = graph.blockers_within(node, direction, far)
             if blockers is not None and blockers <= gone:
                 return True
+        return False
+
+    def can_turn(self, item: int, riding: frozenset[int], out: frozenset[int]) -> bool:
+        """Whether a part can be turned a little about one of its own axes while items are out, as a bayonet can."""
+        gone = self.actions.gone(out)
+        parts = [part for part in self.question.parts_of([self.actions.node(item, riding)]) if part not in gone]
+        corners = np.concatenate([self.actions.graph.meshes.corners(part) for part in parts])
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        if not areas.sum() > 0.0:
+            return False
+        middle = np.average(corners.mean(axis=1), axis=0, weights=areas)
+        tool, rest = Tool.of_parts(self._mockup, parts), self._left(gone).without(parts)
+        for axis in part_axes(corners):
+            for sign in (1.0, -1.0):
+                self.clock.look()
+                pose = np.eye(4)
+                pose[:3, :3] = rotation(sign * TURN_RAD * axis)
+                pose[:3, 3] = middle - pose[:3, :3] @ middle
+                if rest.cast(tool, np.eye(4), pose, touching="free") is None:
+                    return True
         return False
 
     def _is_met(self, node: int, other: int, poses: Floats) -> bool:

@@ -267,6 +267,11 @@ class _Checked:
     because: str
 
 
+def _others(sets: Sequence[frozenset[int]], n: int) -> list[frozenset[int]]:
+    """All but the n-th."""
+    return [each for m, each in enumerate(sets) if m != n]
+
+
 class _Planner:
     """Searches plans, and checks the ways of their steps."""
 
@@ -400,7 +405,7 @@ class _Planner:
 
     def _try_bent(self, found: Found) -> bool:
         """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave."""
-        graph, question = self.actions.graph, self.question
+        question = self.question
         stuck = [item for item in found.stuck if not (self.actions.is_turned(item) or item in question.kept)]
         for item in sorted((item for item in stuck if all(self.actions.certain(item))), key=question.size):
             if item == TARGET and not question.wanted:
@@ -451,26 +456,31 @@ class _Planner:
         """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
         these have to go."""
         actions, out = self.actions, frozenset[int]()
-        # Also what is in the way of several: none of them may need it. Fasteners go with what they hold.
         needs = [self._needed(step.unit) for step in steps]
         held = [frozenset[int]().union(*step.unit.joints) for step in steps]
         sure = self.search.sure()
         for n, step in enumerate(steps):
-            elsewhere = sure.union(*(each for m, each in enumerate(held) if m != n))
             # Parts that leave together may come out alone: a bayonet is turned, which no straight motion is.
             is_joint = len(step.unit.items) > 1
             for item, riding in zip(step.unit.items, step.unit.bodies, strict=False):
+                if actions.is_turned(item):
+                    continue
                 needed = step.unit.before
                 if is_joint:
                     needed = needs[n].difference(*actions.holders(item, riding))
-                extra = needed - elsewhere
-                if actions.is_turned(item) or not (extra or is_joint):
-                    continue
-                # Without all of these, then without each: it may come out below one once another is out.
-                for less in [extra, *(frozenset([each]) for each in sorted(extra) if len(extra) > 1)]:
-                    if not (is_joint or self.leading.has_play(item, riding, out - less)):
-                        continue
-                    if self.leading.search(item, riding, out - less, is_short=len(less) < len(extra)):
+                alone = needed - sure.union(*_others(needs, n))
+                if is_joint:
+                    is_loose = self._is_loose(item, riding, out - alone)
+                else:
+                    is_loose = bool(alone) and self.leading.has_play(item, riding, out - alone)
+                if is_loose and self.leading.search(item, riding, out - alone):
+                    return True
+                # What is in the way of several parts may be in the way of none, and a part may come out below one once
+                # another is out. A long search for each would be too much.
+                some = needed - sure.union(*_others(held, n))
+                for less in [some, *(frozenset([each]) for each in sorted(some))]:
+                    is_loose = bool(less) and self.leading.has_play(item, riding, out - less)
+                    if is_loose and self.leading.search(item, riding, out - less, is_short=True):
                         return True
             out |= set(step.unit.leaving)
         return False
@@ -583,6 +593,10 @@ class _Planner:
             if any((each.tool, each.seconds) == choice[:2] for each in actions.tooled(item, out)[0]):
                 after = fewer
         return after
+
+    def _is_loose(self, item: int, riding: frozenset[int], out: frozenset[int]) -> bool:
+        """Whether a part can be moved or turned a little while items are out."""
+        return self.leading.has_play(item, riding, out) or self.leading.can_turn(item, riding, out)
 
     def _needed(self, unit: Unit) -> frozenset[int]:
         """The items that have to be out for a step: those that hold it, and those in the way of its motion."""
