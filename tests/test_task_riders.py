@@ -95,6 +95,18 @@ def test_a_bracket_that_is_kept_or_forced_to_go_first_is_undone() -> None:
     assert [each for each in left(both) if "screw" in each] == [["screw"]]
 
 
+def test_a_bracket_below_a_lip_is_undone_for_a_cover_in_a_recess() -> None:
+    """Both can be lifted by 4 mm only, and the rim is 12 mm high: the cover alone goes up and then sideways."""
+    rim = [box((x, -0.036, 0.0), (x + 0.004, 0.036, 0.012)) for x in (-0.055, 0.051)]
+    rim += [box((-0.051, y, 0.0), (0.051, y + 0.004, 0.012)) for y in (-0.036, 0.032)]
+    lip = [box((0.035, -0.056, 0.0), (0.05, -0.05, 0.04)), box((0.035, -0.056, 0.034), (0.05, 0.01, 0.04))]
+    parts = covered()
+    arm = box((0.036, -0.01, 0.014), (0.04, 0.01, 0.03))
+    parts |= {"base": joined(parts["base"], *rim, *lip), "bracket": joined(parts["bracket"], arm)}
+    task = plan(parts, keep="base")
+    assert sorted(left(task)) == [["bolt"], ["bracket"], ["cover"], ["screw"]] and task.bound <= task.seconds
+
+
 def cage() -> Mesh:
     """Around the cover and above it, with a slot towards +x that the cover alone passes."""
     sides = [box((-0.056, y, GAP), (0.056, y + 0.004, 0.05)) for y in (-0.035, 0.031)]

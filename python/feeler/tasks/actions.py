@@ -163,12 +163,14 @@ class Actions:
 
     def loads(self, item: int, riding: frozenset[int]) -> Sequence[int]:
         """As `Problem`: those that meet something along a direction in which the part alone does not, nor all other
-        riders."""
+        riders; and those that a bent way of the part alone meets."""
         node = self.node(item, riding)
         if node not in self._loads:
             parts = [each for each in sorted(riding) if each not in self.fixings]
             self._loads[node] = tuple(each for each in parts if self._is_met_more(item, each, riding))
-        return self._loads[node]
+        bent = frozenset[int]().union(*(one.blockers for one in self.graph.known(item)))
+        met = sorted(each for each in bent & riding if each not in self.fixings)
+        return tuple(dict.fromkeys((*self._loads[node], *met)))
 
     def _is_met_more(self, item: int, rider: int, riding: frozenset[int]) -> bool:
         """Whether a rider is in the way of its part in some direction."""

@@ -419,9 +419,10 @@ class _Planner:
         """What may be out when a bent way of a part is searched: few items first, since a way that avoids the others
         needs none of them undone."""
         graph, node = self.actions.graph, self.actions.node(item, riding)
-        yield graph.most_gone() | graph.holding(node)
+        off = self.actions.riding(item) - riding
+        yield graph.most_gone() | graph.holding(node) | off
         fasteners = self._look_around(node)
-        gone = graph.most_gone()
+        gone = graph.most_gone() | off
         gone |= graph.holding(node).union(*map(graph.holding, gone)) - riding
         yield gone
         yield gone | fasteners
@@ -448,9 +449,8 @@ class _Planner:
         return found.is_complete and any(step.unit.riding for step in found.steps or ()) and self._try_bent(found)
 
     def _bodies(self, item: int) -> list[frozenset[int]]:
-        """What rode on a part where its ways were looked for."""
-        found = [riding for own, riding in self.question.bodies.values() if own == item]
-        return found if self.actions.riding(item) else [frozenset(), *found]
+        """What rode on a part where its ways were looked for, and nothing."""
+        return [*(riding for own, riding in self.question.bodies.values() if own == item), frozenset()]
 
     def _asks_before(self, steps: tuple[Ordered, ...]) -> bool:
         """Whether a part has a way without others that are out for it alone: `removal` is asked before it is said that
@@ -482,7 +482,25 @@ class _Planner:
                     is_loose = bool(less) and self.leading.has_play(item, riding, out - less)
                     if is_loose and self.leading.search(item, riding, out - less, is_short=True):
                         return True
+            if self._asks_riders(step.unit, out):
+                return True
             out |= set(step.unit.leaving)
+        return False
+
+    def _asks_riders(self, unit: Unit, out: frozenset[int]) -> bool:
+        """Whether something that rides along has a way of its own without what is in its way, by two straight legs: it
+        could be undone before."""
+        actions, graph = self.actions, self.actions.graph
+        for item in sorted(unit.riding):
+            blockers = [one.blockers for one in graph.known(item)]
+            if item in actions.fixings or not blockers:
+                continue
+            before = out | graph.holding(item)
+            for less in sorted(map(sorted, blockers)):
+                gone = before - frozenset(less)
+                is_loose = self.leading.has_play(item, frozenset(), gone)
+                if is_loose and self.leading.search(item, frozenset(), gone, is_short=True):
+                    return True
         return False
 
     def _answer(self, found: Found, checked: list[_Checked]) -> Task:
