@@ -21,14 +21,15 @@ def moved(mesh: Mesh, x: float) -> Mesh:
 
 
 def captive_cover(
-    thread: float, hole: float = 0.0026, tapped: float = 0.00302, tolerance: Tolerance = USUAL
+    thread: float, hole: float = 0.0026, tapped: float = 0.00302, tolerance: Tolerance = USUAL, pocket: float = 0.005
 ) -> dict[str, Mesh]:
-    """A cover of 6 mm under two captive screws, which are 5 mm free before they meet it. thread: how long it is."""
+    """A cover of 6 mm under two captive screws, which are 5 mm free before they meet it. thread: how long it is;
+    pocket: the radius of the hole above it."""
     tip = -0.006 - thread
     outline = [[1e-5, tip], [0.003, tip], [0.003, -0.005], [0.0024, -0.005], [0.0024, 0.00604], [0.0045, 0.00604]]
     screw = plain(hardware.revolve(np.array([*outline, [0.0045, 0.01], [1e-5, 0.01]]), tolerance))
     hole_ring = ring(hole, 0.00002, 0.006, 0.02, tolerance)
-    tapped_ring = joined(ring(tapped, tip - 0.005, -0.006, 0.02, tolerance), ring(0.005, -0.006, 0.0, 0.02, tolerance))
+    tapped_ring = joined(ring(tapped, tip - 0.005, -0.006, 0.02, tolerance), ring(pocket, -0.006, 0.0, 0.02, tolerance))
     places = (-0.03, 0.03)
     return {
         "base": joined(*(moved(tapped_ring, x) for x in places)),
@@ -52,6 +53,12 @@ def test_a_captive_screw_is_pushed_back_and_leaves_with_its_cover(tapped: float)
         for step in task.steps[:2]:
             drawn = float(np.linalg.norm(step.way[-1][:3, 3] - step.way[0][:3, 3]))
             assert 0.003 < drawn < 0.005
+
+
+@pytest.mark.parametrize("pocket", [0.0034, 0.0038, 0.0044])
+def test_a_thread_begins_at_the_floor_of_a_narrow_pocket(pocket: float) -> None:
+    (_, _, last) = feeler.task(feeler.Scene(tilted(captive_cover(0.003, pocket=pocket), 2)), "cover").steps
+    assert sorted(last.paths) == ["captive screw 0", "captive screw 1", "cover"]
 
 
 def test_a_captive_screw_stays_in_a_cover_that_stays() -> None:

@@ -38,7 +38,7 @@ BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
 _BESIDE = 8
 """Rays around a hole that look for its edge."""
-_RIM = 1.2
+_RIM = 1.05
 """How far they are from its axis, in radii of the shank."""
 
 
@@ -266,7 +266,7 @@ class Fixings:
         origins = (around + np.array([0.0, 0.0, start])) @ row.frame[:3, :3].T + row.frame[:3, 3]
         hits = self.scene.only([thread.part]).rays(origins, np.tile(-row.axis, (_BESIDE, 1)))
         heights = start - np.asarray(hits.distances)
-        near = heights[heights >= thread.top - 0.5 * step]
+        near = heights[heights >= thread.bottom]  # in a wider pocket the thread begins at its floor
         return float(np.median(near)) if 2 * len(near) >= _BESIDE else thread.top + 0.5 * step
 
     def _sorted_washers(self, held: Holds) -> dict[int, list[int]]:
