@@ -275,13 +275,44 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
     [
         *(
             (name, "pin")
-            for name in ("Zylinderstift", "Passstift 4x20", "DIN 7", "ISO-8734 4x20", "goupille", "spina_2")
+            for name in (
+                "Zylinderstift",
+                "Passstift 4x20",
+                "DIN 7",
+                "ISO-8734 4x20",
+                "goupille",
+                "spina_2",
+                "Steckbolzen 8",
+                "DIN EN 22341 8x30",
+                "axe d'articulation",
+            )
         ),
         *(
             (name, "circlip")
-            for name in ("Sicherungsring", "DIN_471 20x1.2", "anneau d'arr\u00eat", "e-clip 5", "SnapRing_3")
+            for name in (
+                "Sicherungsring",
+                "DIN_471 20x1.2",
+                "anneau d'arr\u00eat",
+                "e-clip 5",
+                "SnapRing_3",
+                "Wellensicherungsring",
+                "segment d'arr\u00eat",
+                "anillo de retenci\u00f3n",
+            )
         ),
-        *((name, "clasp") for name in ("P-Clip", "Rohrschelle 12", "collier de serrage", "abrazadera", "hose clamp 3")),
+        *(
+            (name, "clasp")
+            for name in (
+                "P-Clip",
+                "Rohrschelle 12",
+                "collier de serrage",
+                "abrazadera",
+                "hose clamp 3",
+                "Schlauchklemme",
+                "DIN 3017",
+                "bride de serrage",
+            )
+        ),
         *((name, None) for name in ("pinion", "spindle", "pin block", "ISO 4762 M8", "ISO 7", "DIN 933 M8", "ring")),
     ],
 )

@@ -35,12 +35,13 @@ STANDARDS = {
 
 RETAINERS = {
     "circlip": "circlip circlips snapring snaprings retainingring retainingrings seeger seegerring sicherungsring "
-    "sprengring eclip eclips",
+    "wellensicherungsring bohrungssicherungsring sicherungsscheibe haltering sprengring eclip eclips",
     "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift zylinderstift passstift "
     "spannstift kegelstift kerbstift splint splinte sicherungssplint federsplint federstecker klappstecker spannhuelse "
     "spannhulse springpin springpins taperpin hairpin hairpins hairpinclip hairpinclips rclip rclips betaclip "
-    "hitchpin linchpin lynchpin clevispin copiglia",
+    "hitchpin linchpin lynchpin clevispin copiglia steckbolzen gelenkbolzen",
     "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer "
+    "spannschelle klemmschelle schlauchklemme spannband "
     "banjo banjos banjoeye banjofitting banjounion ringstutzen ringauge",
     "fitting": "adapter adapters adaptor adaptors fitting fittings connector connectors union unions nipple nipples "
     "nippel stutzen schlauchstutzen einschraubstutzen tuelle schlauchtulle schlauchtuelle verschraubung "
@@ -49,17 +50,19 @@ RETAINERS = {
 """Last words of names, of two words written as one too, by kind of what holds parts without a thread."""
 
 RETAINERS_FIRST = {
-    "circlip": "anneauelastique anneauarret anelloelastico anelloseeger anilloelastico anilloseguridad",
-    "pin": "goupille goupilles spina pasador pasadores",
-    "clasp": "collier colliers fascetta fascette abrazadera abrazaderas",
+    "circlip": "circlip circlips anneauelastique anneauarret segmentarret anelloelastico anelloseeger anilloelastico "
+    "anilloseguridad anilloretencion",
+    "pin": "goupille goupilles broche broches axearticulation spina pasador pasadores",
+    "clasp": "collier colliers brideserrage fascetta fascette abrazadera abrazaderas",
     "fitting": "raccord raccords raccordo raccordi racor racores",
 }
 """The same in languages in which they come first."""
 
 RETAINER_STANDARDS = {
-    "circlip": "471 472 983 984 6799 7993",
+    "circlip": "464 471 472 983 984 6799 7993",
     "pin": "1 7 94 1234 1444 1470 1471 1472 1473 1474 1475 1481 2338 2339 2340 2341 6325 7343 7346 7977 7978 7979 8734 "
-    "8735 8740 8741 8742 8744 8745 8748 8750 8752 13337",
+    "8735 8740 8741 8742 8744 8745 8748 8750 8752 13337 22340 22341",
+    "clasp": "3015 3016 3017 72571 72573",
 }
 """Numbers of DIN and ISO standards by kind of retainer."""
 
