@@ -403,24 +403,30 @@ class _Planner:
                 if more is not None and more not in items | question.kept | {TARGET}:
                     graph.learn(node, Exit(one.motions, one.blockers | {more}, one.fasteners))
 
-    def _try_bent(self, found: Found) -> bool:
-        """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave."""
+    def _try_bent(self, found: Found, is_wide: bool = True) -> bool:
+        """Pushes and random trees for parts that no straight motion takes out, with all gone that is known to leave.
+        is_wide: how what stands around them comes out is looked for."""
         question = self.question
         stuck = [item for item in found.stuck if not (self.actions.is_turned(item) or item in question.kept)]
         for item in sorted((item for item in stuck if all(self.actions.certain(item))), key=question.size):
             if item == TARGET and not question.wanted:
                 continue
             for riding in self._bodies(item):
-                if any(self.leading.search(item, riding, gone - {TARGET, item}) for gone in self._gone(item, riding)):
+                if any(
+                    self.leading.search(item, riding, gone - {TARGET, item})
+                    for gone in self._gone(item, riding, is_wide)
+                ):
                     return True
         return False
 
-    def _gone(self, item: int, riding: frozenset[int]) -> Iterator[frozenset[int]]:
+    def _gone(self, item: int, riding: frozenset[int], is_wide: bool) -> Iterator[frozenset[int]]:
         """What may be out when a bent way of a part is searched: few items first, since a way that avoids the others
         needs none of them undone."""
         graph, node = self.actions.graph, self.actions.node(item, riding)
         off = self.actions.riding(item) - riding
         yield graph.most_gone() | graph.holding(node) | off
+        if not is_wide:
+            return
         fasteners = self._look_around(node)
         gone = graph.most_gone() | off
         gone |= graph.holding(node).union(*map(graph.holding, gone)) - riding
@@ -446,7 +452,8 @@ class _Planner:
 
     def _frees_riders(self, found: Found) -> bool:
         """Whether a way is found for something that only had to ride along since no straight motion takes it out."""
-        return found.is_complete and any(step.unit.riding for step in found.steps or ()) and self._try_bent(found)
+        has_riders = any(step.unit.riding for step in found.steps or ())
+        return found.is_complete and has_riders and self._try_bent(found, is_wide=False)
 
     def _bodies(self, item: int) -> list[frozenset[int]]:
         """What rode on a part where its ways were looked for, and nothing."""
