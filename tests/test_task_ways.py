@@ -251,19 +251,24 @@ def test_nothing_is_out_that_is_in_all_that_is_left() -> None:
     assert not task.is_found and task.blocked[0].because == "no way out was found"
 
 
-def test_a_hood_under_a_rail_needs_a_search_as_long_as_without_others() -> None:
-    """It goes up until it clears the head of a bolt, and sideways below the rail."""
+def over_a_bolt(gap: float) -> dict[str, Mesh]:
+    """A hood over the head of a bolt, below a rail; its walls end at a height above the cover."""
     mesh = hardware.hex_bolt(0.008, 0.02, USUAL)
-    walls = [box((x, -0.015, 0.0002), (x + 0.003, 0.015, 0.012)) for x in (-0.015, 0.012)]
-    walls += [box((-0.015, y, 0.0002), (0.015, y + 0.003, 0.012)) for y in (-0.015, 0.012)]
+    walls = [box((x, -0.015, gap), (x + 0.003, 0.015, 0.012)) for x in (-0.015, 0.012)]
+    walls += [box((-0.015, y, gap), (0.015, y + 0.003, 0.012)) for y in (-0.015, 0.012)]
     legs = [box((-0.02, y, 0.0), (0.02, y + 0.01, 0.048)) for y in (-0.06, 0.05)]
-    parts = {
+    return {
         "bolt": (mesh.vertices, mesh.faces.astype(np.int64)),
         "cover": ring(0.0045, -0.01, 0.0),
         "case": ring(0.0034, -0.04, -0.01005),
         "hood": joined(*walls, box((-0.015, -0.015, 0.012), (0.015, 0.015, 0.015))),
         "rail": joined(*legs, box((-0.02, -0.06, 0.048), (0.02, 0.06, 0.054))),
     }
+
+
+def test_a_hood_under_a_rail_needs_a_search_as_long_as_without_others() -> None:
+    """It goes up until it clears the head of a bolt, and sideways below the rail."""
+    parts = over_a_bolt(0.0002)
     for turn in (None, turn_of(3)):
         task = feeler.task(scene_of(parts, turn), "cover")
         assert [step.paths for step in task.steps] == [("hood",), ("bolt",), ("cover",)]
@@ -273,19 +278,11 @@ def test_a_hood_under_a_rail_needs_a_search_as_long_as_without_others() -> None:
 @pytest.mark.parametrize("seed", [None, 2, 5])
 def test_a_hood_between_flush_walls_has_play(seed: int | None) -> None:
     """Casts along flush faces meet them by rounding: that does not keep the hood in its place."""
-    mesh = hardware.hex_bolt(0.008, 0.02, USUAL)
-    walls = [box((x, -0.015, 0.0), (x + 0.003, 0.015, 0.012)) for x in (-0.015, 0.012)]
-    walls += [box((-0.015, y, 0.0), (0.015, y + 0.003, 0.012)) for y in (-0.015, 0.012)]
-    legs = [box((-0.02, y, 0.0), (0.02, y + 0.01, 0.048)) for y in (-0.06, 0.05)]
-    parts = {
-        "bolt": (mesh.vertices, mesh.faces.astype(np.int64)),
-        "cover": ring(0.0045, -0.01, 0.0),
-        "case": ring(0.0034, -0.04, -0.01005),
-        "hood": joined(*walls, box((-0.015, -0.015, 0.012), (0.015, 0.015, 0.015))),
+    sides = {
         "left": box((-0.06, -0.04, 0.0), (-0.015, 0.04, 0.02)),
         "right": box((0.015, -0.04, 0.0), (0.06, 0.04, 0.02)),
-        "rail": joined(*legs, box((-0.02, -0.06, 0.048), (0.02, 0.06, 0.054))),
     }
+    parts = over_a_bolt(0.0) | sides
     task = feeler.task(scene_of(parts, None if seed is None else turn_of(seed)), "cover")
     assert [step.paths for step in task.steps] == [("hood",), ("bolt",), ("cover",)]
 

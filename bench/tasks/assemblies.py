@@ -50,7 +50,7 @@ class Part:
     """Of a bolt: the plates that it goes through, or its bracket."""
     travel: float = 0.0
     anchor: int = 0
-    """Of a bolt: what it is fastened in."""
+    """The part that a bolt has its thread in."""
     engaged: float = ENGAGED_M
     """Of a bolt: how deep."""
 

@@ -248,7 +248,7 @@ def _begin_catalogue(session: Session, name: str, text: str) -> None:
 
 
 def _catalogue_of(source: str) -> tuple[str, str]:
-    """The name and the text of a catalogue, empty for the built-in one, whose mistakes are told before anything is
+    """The name and the text of a catalogue; both empty for the built-in one. The file is checked before the mock-up is
     loaded. Raises `LoadError`, `OptionError`."""
     from feeler.io.text import text_of
     from feeler.workbench.document.task_commands import MOST_TOML

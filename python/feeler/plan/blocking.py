@@ -44,8 +44,8 @@ motions of crowded parts, and takes longer."""
 ROUNDING_M = 1e-9
 """Edges that are no farther apart may cross by rounding."""
 BESIDE_SHARE, MOST_BESIDE = 0.1, 6
-"""Round parts look for what stands around them within this share of their size, and leave in at most so many directions
-to it."""
+"""A round part has no sides. It is tried towards the parts that are nearer than this share of its size, at most so
+many."""
 MOST_BLOCKERS = 24
 """A direction with more blockers is dropped: there are shorter sequences, or none."""
 FEW_BLOCKERS = 4

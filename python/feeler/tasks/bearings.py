@@ -35,7 +35,7 @@ ROLLING = 0.64
 MOST, ROUND = 0.6, 0.85
 """The share of the elements that touch a race, and that of the rays around the axis that meet it as far away."""
 FILLED = 0.3
-"""What is met this deep in elements on the way around the row, in their radii, is in them."""
+"""Elements that other parts go into by more than this, in their radii, turn on pins, as planet wheels do."""
 SHRUNK = (0.99, 0.97, 0.94, 0.9, 0.85, 0.78, 0.7)
 """Elements are so much narrower when it is asked whether a race slips off them: of these the first that is free."""
 LOOSE = 1.2
@@ -306,7 +306,7 @@ class _Look:
 
 
 def _spread(count: int, most: int = _MOST_ELEMENTS) -> list[int]:
-    """At most so many of some numbers, evenly."""
+    """The numbers from 0 to `count`, or `most` of them, evenly spread."""
     return sorted({n * count // min(count, most) for n in range(min(count, most))})
 
 

@@ -13,7 +13,7 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 NECK = 0.985
-"""The greatest radius of a neck, relative to what is below it."""
+"""A shank with less than this share of the radius of its thread has a neck there."""
 _SHARES = np.linspace(0.0, 1.0, 33)[1:]
 """Where, on the way of a screw that crosses its hole, depths are measured."""
 _CLOSER = 12
