@@ -25,6 +25,8 @@ th { border-bottom: 2px solid var(--line); } td { border-bottom: 1px solid var(-
 """
 _WIDTH, _NAMES, _ROW = 1000.0, 300.0, 18.0
 """Of the chart, of its column of names, and of a row, in its own units."""
+_LABEL = 70.0
+"""The widest label of a time."""
 _TICKS = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400)
 """Seconds between two lines of the chart."""
 _MOST_TICKS = 10
@@ -136,10 +138,11 @@ def _chart(task: TaskFacts) -> list[str]:
     for n in range(int(end / tick) + 1):
         x = _NAMES + n * tick * scale
         lines.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="0" y2="{height - _ROW:g}" stroke="#8885"/>')
-        lines.append(f'<text x="{x:.1f}" y="{height - 5:g}">{escape(clock(n * tick))}</text>')
+        anchor = ' text-anchor="end"' if x > _WIDTH - _LABEL else ""
+        lines.append(f'<text x="{x:.1f}" y="{height - 5:g}"{anchor}>{escape(clock(n * tick))}</text>')
     for n, step in enumerate(task.steps):
         y, x = n * _ROW, _NAMES + step.start * scale
-        name = f"{step.number + 1} {step.verb} {step.part.split('/')[-1]}"
+        name = f"{step.number + 1} {step.verb} {'/'.join(step.part.split('/')[-2:])}"
         said = f"{step}: {clock(step.seconds)} +- {clock(step.spread)}, person {step.person + 1}"
         middle, far = y + 0.5 * _ROW, x + step.seconds * scale
         lines += [
