@@ -339,6 +339,24 @@ def test_ctrl_c_ends_with_130(tmp_path: Path) -> None:
     assert stderr.strip() == "feeler: interrupted"
 
 
+def test_threads_that_nobody_waits_for_end_with_the_program() -> None:
+    """NumPy's `unique` is C++: a thread that the end of the interpreter stops in it takes the process along."""
+    code = (
+        "import atexit, numpy as np, threading\n"
+        "numbers = np.arange(1000) % 100\n"
+        "def busy():\n    while True:\n        np.unique(numbers)\n"
+        "for _ in range(4):\n    threading.Thread(target=busy, daemon=True).start()\n"
+        "threading.Thread(target=lambda: print('waited for')).start()\n"
+        "atexit.register(print, 'called at the end')\n"
+        "from feeler.cli import main; main()"
+    )
+    for words, status in ((["--version"], 0), (["info", "missing.stl"], 2)):
+        ended = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
+        assert ended.returncode == status, ended.stderr
+        assert {"waited for", "called at the end"} <= {*ended.stdout.splitlines()}
+        assert "terminate" not in ended.stderr
+
+
 def test_poses_in_millimetres_are_asked_about(tmp_path: Path) -> None:
     """A block of 0.1 m, and a tool that was put 50 m away."""
     block, poses = tmp_path / "block.stl", tmp_path / "poses.json"

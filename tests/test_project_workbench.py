@@ -289,6 +289,22 @@ def test_what_cannot_be_saved_is_told_and_tried_again(tmp_path: Path, monkeypatc
     session.close()
 
 
+def test_the_end_of_a_script_closes_its_views(tmp_path: Path) -> None:
+    script = (
+        "import sys\nsys.path.insert(0, sys.argv[1])\nimport feeler, test_project_workbench as stands\n"
+        "stand = stands.stand()\n"
+        "views = [feeler.view(stand, None, browser=False, project=name) for name in ('a.feelproj', 'b.feelproj')]\n"
+        "__import__('os').rename('b.feelproj', 'c.feelproj')\n"
+        "for view in views:\n    view.hide([stands.PLATE])\n"
+    )
+    words = [sys.executable, "-c", script, str(Path(__file__).parent)]
+    ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert "not saved: cannot write b.feelproj" in ended.stderr
+    with feeler.open_project(tmp_path / "a.feelproj") as project:
+        assert project.document()["hidden"] == [PLATE]
+
+
 def test_closing_a_view_tells_what_is_not_saved(tmp_path: Path) -> None:
     path, mockup = tmp_path / "a.feelproj", stand()
     view = feeler.view(mockup, None, browser=False, project=str(path))

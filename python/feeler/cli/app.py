@@ -6,6 +6,7 @@ be written, 130 interrupted. A reader that closes the pipe (head, less) changes 
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import functools
 import inspect
@@ -15,8 +16,9 @@ import re
 import shutil
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, NoReturn, TypeVar
 
 import typer
 from typer.core import TyperCommand
@@ -111,8 +113,8 @@ def main() -> None:
         app(prog_name="feeler")
     except KeyboardInterrupt:
         fail("interrupted")
-        sys.exit(INTERRUPTED)
-    except SystemExit:
+        _exit(INTERRUPTED)
+    except SystemExit as end:
         # From here on Ctrl-C could only stop the interpreter from ending, and be told as an error.
         with contextlib.suppress(ValueError):  # in another thread
             signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -120,8 +122,22 @@ def main() -> None:
             sys.stdout.flush()
             if output.trouble is not None:
                 fail(f"cannot write the output: {output.trouble}; free some space or choose another place")
-                sys.exit(BAD_INPUT)
-        raise
+                _exit(BAD_INPUT)
+        _exit(end.code)
+
+
+def _exit(status: Any) -> NoReturn:
+    """Ends the program. The interpreter is not torn down below threads that nobody waits for, such as one that opens a
+    mock-up: it would stop them wherever they take its lock, and the process aborts if that is in C++, as in NumPy's."""
+    if isinstance(status, int) and any(thread.daemon for thread in threading.enumerate()):
+        # What the interpreter does first: it waits for the other threads, and calls what is to be called at the end.
+        threading._shutdown()  # type: ignore[attr-defined]
+        atexit._run_exitfuncs()
+        for stream in filter(None, (sys.stdout, sys.stderr)):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(status)
+    sys.exit(status)
 
 
 class _Output(io.BufferedWriter):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import html
 import io
 import os
@@ -40,6 +41,18 @@ from feeler.workbench.view_commands import ViewCommands
 _SHOT_S = 5.0
 _SHOT_SIZE = (1280, 800)
 
+_OPEN: set[View] = set()
+"""Views to close at the end: their threads must not outlive the interpreter, nor their last changes be lost."""
+
+
+@atexit.register
+def _close_all() -> None:
+    for view in list(_OPEN):
+        try:
+            view.close()
+        except WriteError as trouble:
+            warnings.warn(str(trouble), stacklevel=1)
+
 
 def view(
     scene: Scene | Mockup,
@@ -65,8 +78,8 @@ def view(
     - `mechanism`: of the mock-up: its joints have sliders in the page, and its parts can be dragged. It replaces that
       of a project.
 
-    It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, `WorkbenchError` for an invalid
-    pose, or if the server cannot start, and the errors of `open_project`.
+    It runs until `close()`, the end of a `with`, or of the program. Raises `OptionError`, `MeshError`,
+    `WorkbenchError` for an invalid pose, or if the server cannot start, and the errors of `open_project`.
     """
     given: object = scene
     if not isinstance(given, (Scene, Mockup)):
@@ -129,6 +142,7 @@ class View(ViewCommands):
         self._server = server
         self._watchers: list[_Watcher] = []
         self._is_closed = False
+        _OPEN.add(self)
 
     def command(self, name: str, /, **args: object) -> CommandAnswer:
         """Runs a command of the page by its name, such as `view.command("hide", parts="*screw*")`.
@@ -222,6 +236,7 @@ class View(ViewCommands):
         Raises `WriteError` if the last changes could not be saved in the project; all is closed then, too.
         """
         was_closed, self._is_closed = self._is_closed, True
+        _OPEN.discard(self)
         for watcher in self._watchers:
             watcher.end()
         self._watchers = []

@@ -5,6 +5,7 @@ import type { Commands, FindingFormat, FindingSide, FindingStatus, Taken, Writte
 import { add, type Box, centre, diagonal, include, isEmpty, normalize, scale, type Vec3 } from "../math/vectors";
 import type { Focus } from "../model/finding-state";
 import { type Finding, neighbour, partsOf, sentence } from "../model/findings";
+import { chooseFile } from "./choosing";
 import { download } from "./exports";
 import { sendFiles } from "./sending";
 import type { Workbench } from "./workbench";
@@ -60,18 +61,6 @@ export function showPanel(wb: Workbench): void {
 /** Asks for a file that `feeler clash --json` or --save wrote, of any size, and opens it. */
 export function openFindings(wb: Workbench): void {
   chooseFile(".json,application/json", (file) => takeFindings(wb, file));
-}
-
-/** Asks for a file; the function gets it. */
-export function chooseFile(accept: string, opened: (file: File) => Promise<unknown>): void {
-  const input = document.createElement("input");
-  input.type = "file";
-  input.accept = accept;
-  input.addEventListener("change", () => {
-    const file = input.files?.[0];
-    if (file) void opened(file);
-  });
-  input.click();
 }
 
 /** Opens a file of findings. */

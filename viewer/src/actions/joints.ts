@@ -2,6 +2,7 @@
 
 import type { JointPlace } from "../link/protocol";
 import { type JointNumber, numberOf, partsOf } from "../model/joints";
+import { chooseFile } from "./choosing";
 import type { Workbench } from "./workbench";
 
 /** A slider that rests so long after a key is where it was to go. */
@@ -196,14 +197,7 @@ export function showMet(wb: Workbench, met: { readonly part: number; readonly ot
 
 /** Lets the user choose a mechanism. */
 export function chooseMechanism(wb: Workbench): void {
-  const input = document.createElement("input");
-  input.type = "file";
-  input.accept = ".toml";
-  input.addEventListener("change", () => {
-    const file = input.files?.[0];
-    if (file) void openMechanism(wb, file);
-  });
-  input.click();
+  chooseFile(".toml", (file) => openMechanism(wb, file));
 }
 
 export const isMechanism = (file: Pick<File, "name">): boolean => /\.toml$/i.test(file.name);

@@ -2,6 +2,7 @@
 
 import type { Opens } from "../link/openings";
 import type { Unit } from "../link/protocol";
+import { chooseSeveral } from "./choosing";
 import { takeFindings } from "./findings";
 import { isMechanism, openMechanism } from "./joints";
 import { sendFiles } from "./sending";
@@ -42,12 +43,8 @@ export function hasWork(wb: Workbench): boolean {
 /** Lets the user choose files. */
 export function chooseFiles(wb: Workbench): void {
   const { opens } = wb.store;
-  const input = document.createElement("input");
-  input.type = "file";
-  input.multiple = true;
-  input.accept = [...(opens.peek()?.formats ?? []), ...(opens.peek()?.companions ?? [])].join(",");
-  input.addEventListener("change", () => takeFiles(wb, [...(input.files ?? [])]));
-  input.click();
+  const accept = [...(opens.peek()?.formats ?? []), ...(opens.peek()?.companions ?? [])].join(",");
+  chooseSeveral(accept, (files) => takeFiles(wb, files));
 }
 
 /** Opens files that were chosen or dropped: findings beside the mock-up, a mock-up in place of it. */

@@ -4,7 +4,7 @@ import type { Card, CardAnswer, TaskEditKind } from "../link/protocol";
 import type { Vec3 } from "../math/vectors";
 import type { TaskFile } from "../model/store";
 import { ask, frameWay } from "./cards";
-import { chooseFile } from "./findings";
+import { chooseFile } from "./choosing";
 import { sentences, type Workbench } from "./workbench";
 
 /** Of a file, as the server takes it. */
