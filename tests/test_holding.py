@@ -562,6 +562,56 @@ def test_names_of_bent_bolts_and_sliding_nuts_change_nothing() -> None:
         assert [step.paths for step in task.steps] == [("bolt",), ("plate",)]
 
 
+def slotted(low: float, high: float, half: float) -> Mesh:
+    """A plate with a slot that is open towards both sides."""
+    halves = [box((x - 0.015, -0.05, low), (x + 0.015, 0.05, high)) for x in (-half - 0.015, half + 0.015)]
+    return joined(*halves)
+
+
+@pytest.mark.parametrize("end", ["thread", "nut", "stud"])
+@pytest.mark.parametrize("is_inside_out", [False, True])
+def test_a_slotted_plate_below_a_foot_is_held(end: str, is_inside_out: bool) -> None:
+    corners, faces = slotted(-0.015, -0.01, 0.0045)
+    parts = {
+        "base": ring(FITTED if end != "nut" else CLEAR, -0.03, -0.015, 0.05),
+        "rail": (corners, faces[:, ::-1] if is_inside_out else faces),
+        "foot": ring(CLEAR, -0.01, 0.0),
+        "beside": box((0.021, -0.05, -0.01), (0.04, 0.05, 0.0)),
+    }
+    if end == "stud":
+        parts["stud_1"] = plain(hardware.ring(1e-5, SIZE / 2, 0.04, USUAL), at(z=-0.028))
+        parts["nut"] = plain(hardware.nut(SIZE, USUAL))
+    else:
+        parts["bolt"] = bolt(0.024 if end == "thread" else 0.045)
+        parts |= {"nut": nut(-0.03)} if end == "nut" else {}
+    found = feeler.holds(tilted(parts, 8))
+    held = {"foot", "rail", "base"} if end == "nut" else {"foot", "rail"}
+    for fastener in {"thread": ["bolt"], "nut": ["bolt", "nut"], "stud": ["nut"]}[end]:
+        assert set(only(found, fastener).paths) == held, fastener
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.0002, 0.0005])
+def test_a_bracket_and_its_t_slot_nut_hold_the_profile_between_them(gap: float) -> None:
+    neck, lip, top = 0.0040, 0.006, -0.0015
+    shoulder = -lip - gap
+    block = joined(
+        ring(FITTED, shoulder - 0.006, top, neck),
+        box((-0.011, -0.01, shoulder - 0.006), (-neck, 0.01, shoulder)),
+        box((neck, -0.01, shoulder - 0.006), (0.011, 0.01, shoulder)),
+    )
+    parts = {
+        "bolt": bolt(0.016),
+        "bracket": ring(CLEAR, -0.005, 0.0),
+        "profile": slotted(-0.005 - lip, -0.005, neck + 0.0002),
+        "T-slot nut": (block[0] + np.array([0.0, 0.0, -0.005]), block[1]),
+    }
+    mockup = tilted(parts, 7)
+    (row,) = feeler.holds(mockup)
+    assert (set(row.paths), row.anchor_path) == ({"bracket", "profile"}, "T-slot nut"), row.because
+    task = feeler.task(feeler.Scene(mockup), "bracket", keep="profile")
+    assert [step.paths for step in task.steps] == [("bolt",), ("bracket",)]
+
+
 @pytest.mark.parametrize("name", ["shim", "washer", "part 7"])
 def test_rings_between_parts_are_held_and_no_washers(name: str) -> None:
     """Only rings between a head, or a nut, and the first other part leave with the fastener."""

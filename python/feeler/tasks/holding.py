@@ -18,8 +18,9 @@ from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
+from feeler.tasks.clamping import clamped_beside
 from feeler.tasks.cotters import cotters_of
-from feeler.tasks.passing import Passed, around, borne, in_bore, passed_by, surrounding, under
+from feeler.tasks.passing import Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
 from feeler.tasks.threaded_bodies import threaded_bodies
@@ -270,6 +271,7 @@ class _Holding:
         mask[[each.part for each in circlips]] = False
         self.bare = scene.only(mask)
         self.meshes = PartMeshes(scene.mockup)
+        self.windings = Windings(scene)
         self.sizes = np.diff(scene.mockup.part_bounds.reshape(-1, 2, 3), axis=1)[:, 0]
         shanks = [row for row in rows if row.kind != "nut"]
         self.passed = {row.part: found for row, found in zip(shanks, passed_by(self.bare, shanks), strict=True)}
@@ -320,6 +322,7 @@ class _Holding:
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
             clamped = [each for each in passed if each.top > height + PLAY * row.size]
             clamped += self._borne(row, washers) + self._borne(nut, washers)
+            clamped += self._beside(row, washers, clamped, height, nut.part)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
         inserts = self._inserts(row, passed)
         anchor = self._anchor(row, passed)
@@ -342,6 +345,7 @@ class _Holding:
             return self._held(row, passed + self._borne(row, washers), washers, None, (), said)
         clamped = [each for each in passed if each.top > anchor.top] + self._borne(row, washers)
         clamped = [each for each in clamped if each.part != anchor.part]
+        clamped += self._beside(row, washers, clamped, anchor.top, anchor.part)
         how = "as wide as its thread" if _is_tight(row, anchor) else "where its tip ends"
         how = "without a hole for it" if anchor.radius == 0.0 else how
         return self._held(row, clamped, washers, anchor.part, (), f"its thread is in {self._name(anchor.part)}, {how}")
@@ -369,6 +373,12 @@ class _Holding:
         if not _is_stud(shank):
             clamped += self._borne(shank, washers)
         clamped = [each for each in clamped if each.part != _part(anchor)]
+        if anchor is not None:
+            point = shank.frame[:3, 3] + (anchor.top if is_upward else anchor.bottom) * shank.axis
+            depth = float((point - nut.frame[:3, 3]) @ nut.axis)
+            clamped += self._beside(nut, washers, clamped, depth, anchor.part)
+        elif not _is_stud(shank) and not others:
+            clamped += self._beside(shank, washers, clamped, height, nut.part)
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
 
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
@@ -376,13 +386,31 @@ class _Holding:
         height = row.length if row.kind == "nut" else row.head_height
         if not np.isfinite(height) or not height > 0.0:
             return []
-        below, wide = -height, self._width(row)
+        below, wide = self._face(row, washers)
+        parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)
+        return [Passed(part, below, below, 0.0) for part in parts]
+
+    def _face(self, row: Fastener, washers: list[int]) -> tuple[float, float]:
+        """Height and diameter of the face that a head or a nut bears with, its washers included."""
+        below, wide = -_finite(row.length if row.kind == "nut" else row.head_height), self._width(row)
         for each in washers:
             local = (self.meshes.mesh(each)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
             if abs(float(local[:, 2].max()) - below) <= WASHER_GAP * row.size:
                 below, wide = float(local[:, 2].min()), 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
-        parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)
-        return [Passed(part, below, below, 0.0) for part in parts]
+        return below, wide
+
+    def _beside(self, row: Fastener, washers: list[int], held: list[Passed], low: float, end: int) -> list[Passed]:
+        """What is pressed beside a shank between what a head or a nut holds and the part at the other end.
+
+        low: the height where that part begins, in the frame of the head or the nut.
+        """
+        parts = {each.part for each in held}
+        if not parts:
+            return []
+        bare = self.bare.without(washers) if washers else self.bare
+        high = self._face(row, washers)[0]
+        found = clamped_beside(self.windings, bare, row, high, low, parts, end)
+        return [Passed(part, low, low, 0.0) for part in found]
 
     def _width(self, row: Fastener) -> float:
         """The diameter of the bearing face of a head or a nut: within its flats."""

@@ -106,9 +106,9 @@ def _ring(count: int = _AROUND) -> Floats:
     return np.stack([np.cos(turn), np.sin(turn), np.zeros(count)], axis=1)
 
 
-def around(frame: Floats) -> Floats:
-    """Directions (n, 3) around the axis of a frame."""
-    return np.asarray(_ring() @ frame[:3, :3].T)
+def around(frame: Floats, count: int = _AROUND) -> Floats:
+    """Directions (count, 3) around the axis of a frame."""
+    return np.asarray(_ring(count) @ frame[:3, :3].T)
 
 
 def _flat(hits: Rays, shape: tuple[int, ...]) -> tuple[Ints, Floats]:
@@ -197,11 +197,11 @@ def _against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool
     return np.asarray(np.einsum("ij,ij->i", normals, ways) < 0.0)
 
 
-class _Windings:
+class Windings:
     """Looks at single parts along shanks."""
 
     def __init__(self, scene: Scene) -> None:
-        self._scene, self._meshes = scene, PartMeshes(scene.mockup)
+        self.scene, self._meshes = scene, PartMeshes(scene.mockup)
         self._turned: dict[int, bool] = {}
 
     def is_inside_out(self, part: int) -> bool:
@@ -218,10 +218,10 @@ class _Windings:
 
         Where faces are flush, rays that go on behind each hit see one part alone.
         """
-        hits = self._scene.only([part]).rays(origin[None], way[None], within=within)
+        hits = self.scene.only([part]).rays(origin[None], way[None], within=within)
         if int(np.asarray(hits.triangles)[0]) < 0:
             return 0.0
-        enters = bool(_against(self._scene, np.asarray(hits.triangles), way[None])[0])
+        enters = bool(_against(self.scene, np.asarray(hits.triangles), way[None])[0])
         return float(np.asarray(hits.distances)[0]) if enters != self.is_inside_out(part) else 0.0
 
 
@@ -232,7 +232,7 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
     origins = frames[:, :3, 3] + (spans[:, :1] + above[:, None]) * frames[:, :3, 2]
     far, parts, enters = through(scene, origins, -frames[:, :3, 2], lengths + above)
     found: list[list[Passed]] = []
-    windings = _Windings(scene)
+    windings = Windings(scene)
     for n in range(len(frames)):
         own: dict[int, list[tuple[float, bool]]] = {}
         for distance, part, is_entry in zip((far[n] - above[n]).tolist(), parts[n], enters[n].tolist(), strict=True):
