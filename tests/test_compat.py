@@ -478,6 +478,48 @@ def test_places_before_the_first_step_of_mujoco_are_told() -> None:
         move(None, model, data)  # type: ignore[arg-type]
 
 
+def ell() -> tuple[np.ndarray, np.ndarray]:
+    """A closed L of three cubes, which is not convex."""
+    border = ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))
+    top = [[6, 7, 8], [6, 8, 9], [6, 9, 10], [6, 10, 11]]
+    sides = [[i, (i + 1) % 6, 6 + (i + 1) % 6] for i in range(6)] + [[i, 6 + (i + 1) % 6, 6 + i] for i in range(6)]
+    corners = [(x, y, z) for z in (0, 1) for x, y in border]
+    return np.array(corners, float), np.array(sides + top + [[a - 6, c - 6, b - 6] for a, b, c in top])
+
+
+@pytest.mark.parametrize("far", [0.0, 1e5])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("turned", [False, True])
+def test_flush_objects_that_are_not_convex_are_parted_by_their_depth(axis: int, far: float, turned: bool) -> None:
+    standing = np.array([far, far, far]) + np.eye(3)[axis] * (2, 2, 1)[axis]
+    manager = CollisionManager()
+    for name, place in sorted({"lower": at(far, far, far), "upper": at(*standing)}.items(), reverse=turned):
+        manager.add_object(name, ell(), place)
+    contact = manager.in_collision_internal(return_data=True)[1][0]
+    assert 0.0 < contact.depth < 1e-13 * max(far, 1.0)
+    second = standing if contact.pair[1] == "upper" else np.full(3, far)
+    manager.set_transform(contact.pair[1], at(*(second + contact.normal * contact.depth)))
+    assert not manager.in_collision_internal()
+
+
+def test_the_depth_of_what_slides_parts_it() -> None:
+    """Two soups that a way along their faces frees at one length by rounding alone."""
+    one = [[0, 0, 1], [0, -1, 1], [-1, 0, -1], [0, -1, 1], [1, 1, 1], [-1, -1, 0], [1, 0, 1], [1, 0, -1]]
+    two = [[1, 0, -1], [0, 1, -1], [0, -1, 1], [1, -1, 1], [0, -1, -1], [0, -1, 0], [0, 1, 1], [1, -1, 0]]
+    manager = CollisionManager()
+    pose = {"one": np.diag([-1.0, 1.0, -1.0, 1.0]), "two": np.eye(4)}
+    pose["one"][:3, 3] = 0, 1, 1
+    pose["two"][:3] = [[1, 0, 0, -1], [0, 0, -1, -0.5], [0, 1, 0, 0]]
+    manager.add_object("one", (np.array(one, float), np.array([[0, 3, 7], [1, 3, 4], [6, 4, 2]])), pose["one"])
+    faces = [[3, 5, 0], [5, 1, 4], [1, 0, 3], [0, 4, 1], [1, 0, 2], [6, 3, 0]]
+    manager.add_object("two", (np.array(two, float), np.array(faces)), pose["two"])
+    contact = manager.in_collision_internal(return_data=True)[1][0]
+    away = pose[contact.pair[1]].copy()
+    away[:3, 3] += contact.normal * contact.depth * (1 + 1e-9)
+    manager.set_transform(contact.pair[1], away)
+    assert not manager.in_collision_internal()
+
+
 def test_depths_are_no_more_than_the_way_that_parts_the_boxes() -> None:
     """Of bodies that are not both convex; and the same whichever is asked for first."""
     rng = np.random.default_rng(5)

@@ -536,12 +536,13 @@ def test_garbage_is_answered_and_the_server_goes_on(files: Path) -> None:
         message(1, "initialize", HELLO),
         b'{"jsonrpc": "2.0", "id": 2, "method": "ping"}',
     ]
+    lines += [b'{"jsonrpc": "2.0", "id": %s, "method": "ping"}' % each for each in (b"null", b"1.5", b"true", b"{}")]
     half = {"name": "parts", "arguments": {"pattern": "half \ud800"}}
     lines.append(message(3, "tools/call", half))
     lines.append(b'{"jsonrpc": "2.0", "id": 4, "method": "ping", "params": {"_meta": {"n": 1e999}}}')
     said, errors, code = exchange((files / "case.feeler",), lines)
     assert code == 0 and "Traceback" not in errors
-    assert [each["error"]["code"] for each in said if each["id"] is None] == [*[-32700] * 5, -32600, -32700]
+    assert [each["error"]["code"] for each in said if each["id"] is None] == [*[-32700] * 5, *[-32600] * 5, -32700]
     answers_ = {each["id"]: each["result"] for each in said if each["id"] is not None}
     assert answers_[1]["serverInfo"]["name"] == "feeler" and answers_[2] == {}
 

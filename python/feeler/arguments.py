@@ -103,8 +103,10 @@ def check_text(what: str, value: object, give: str = "text") -> str:
     return str(value)
 
 
-def check_path(what: str, value: object, error: type[FeelerError] = OptionError) -> Path:
-    """The path of a file. Raises `error` for other values."""
+def check_path(
+    what: str, value: object, error: type[FeelerError] = OptionError, give: str = "the path of a file"
+) -> Path:
+    """A path. give: what errors ask for. Raises `error` for other values."""
     if isinstance(value, (str, os.PathLike)):
         try:
             text = os.fspath(value)
@@ -112,7 +114,7 @@ def check_path(what: str, value: object, error: type[FeelerError] = OptionError)
             text = None  # a path that gives something else than text
         if isinstance(text, str) and text and "\0" not in text and _is_writable(text, os.fsencode):
             return Path(text)
-    raise error(f"{what} is {shown(value)}: give the path of a file")
+    raise error(f"{what} is {shown(value)}: give {give}")
 
 
 def check_kind(what: str, value: object, kind: type[T], give: str = "") -> T:

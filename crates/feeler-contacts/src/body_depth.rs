@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use feeler_core::geometry::vectors::{length, sub};
+use feeler_core::geometry::vectors::{dot, length, scaled, sub};
 use feeler_core::{Aabb, Bodies, GoOn, Point, Pose, Result, Shape, ToolAndMockup, Who};
 
 use crate::convex_depth::convex_depth;
+use crate::escape::penetration::PenetrationKind;
 use crate::solver::ContactSolver;
 
 /// By how much farther than the border convex bodies are moved: that they touch no more, a share of the depth and of coordinates.
@@ -32,18 +33,25 @@ pub fn body_depth(bodies: &Bodies, who: Who<'_>, pair: [u32; 2], go_on: GoOn<'_>
     }
     let ToolAndMockup { scene, tool, pose, frame, is_turned } = bodies.as_tool_and_mockup(who, pair)?;
     let found = ContactSolver::new(Arc::clone(&scene)).stoppable(go_on).penetration(&tool, &pose, 0.0, None)?;
-    let sense = if is_turned { 1.0 } else { -1.0 };
-    let row = |i: usize| (0..3).map(|k| frame.rotation()[i][k] * found.translation[k]).sum::<f64>();
-    let translation = std::array::from_fn(|i| sense * row(i));
-    let along = along_an_axis(first, second);
-    if along.depth < found.depth {
+    if found.depth == 0.0 && found.kind == PenetrationKind::Exact {
+        return Ok(BodyDepth { translation: [0.0; 3], depth: 0.0, is_least: true });
+    }
+    let (along, beyond) = along_an_axis(first, second);
+    // Farther by the rounding of the world's coordinates: what slides on may be free at one length by rounding alone.
+    let depth = found.depth + beyond;
+    let moved = scaled(&found.translation, depth / found.depth);
+    let is_parted = !scene.is_colliding(&tool, &pose.translated(&moved)?);
+    if found.kind == PenetrationKind::Estimate || along.depth <= depth || !is_parted {
         return Ok(along);
     }
-    Ok(BodyDepth { translation, depth: found.depth, is_least: found.depth == 0.0 })
+    let sense = if is_turned { 1.0 } else { -1.0 };
+    let translation = std::array::from_fn(|i| sense * dot(&frame.rotation()[i], &moved));
+    Ok(BodyDepth { translation, depth, is_least: false })
 }
 
-/// The shortest way along an axis of the world that parts the box of the second body from that of the first.
-fn along_an_axis(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyDepth {
+/// The shortest way along an axis of the world that parts the box of the second body from that of the first; and how much farther
+/// than the border that is for the rounding of coordinates, metres.
+fn along_an_axis(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> (BodyDepth, f64) {
     let boxed = |body| {
         let mut around = Aabb::EMPTY;
         placed(body).iter().for_each(|p| around.grow(p));
@@ -52,14 +60,16 @@ fn along_an_axis(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> B
     let (a, b) = (boxed(first), boxed(second));
     let beyond = BEYOND[1] * a.largest_coordinate().max(b.largest_coordinate());
     let mut best = BodyDepth { translation: [0.0; 3], depth: f64::INFINITY, is_least: false };
-    for (axis, by) in (0..3).flat_map(|i| [(i, a.upper[i] - b.lower[i]), (i, a.lower[i] - b.upper[i])]) {
-        let depth = by.abs() * (1.0 + BEYOND[0]) + beyond;
+    for (axis, sense, by) in
+        (0..3).flat_map(|i| [(i, 1.0, a.upper[i] - b.lower[i]), (i, -1.0, b.upper[i] - a.lower[i])])
+    {
+        let depth = by.max(0.0) * (1.0 + BEYOND[0]) + beyond;
         if depth < best.depth {
             best.depth = depth;
-            best.translation = std::array::from_fn(|i| if i == axis { depth.copysign(by) } else { 0.0 });
+            best.translation = std::array::from_fn(|i| if i == axis { sense * depth } else { 0.0 });
         }
     }
-    best
+    (best, beyond)
 }
 
 /// The corners of the queried triangles of a body, in the world.

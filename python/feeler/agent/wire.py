@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import os
 import threading
 from collections.abc import AsyncIterator, Coroutine, Iterator
@@ -22,6 +23,7 @@ from mcp_types import (
     PARSE_ERROR,
     ErrorData,
     JSONRPCError,
+    JSONRPCNotification,
     JSONRPCRequest,
     JSONRPCResponse,
     jsonrpc_message_adapter,
@@ -176,7 +178,12 @@ def _message(line: bytes | None) -> Any:
         said = f"the message is longer than {MOST_LINE_BYTES:,} bytes: send less at once"
         return JSONRPCError(jsonrpc="2.0", id=None, error=ErrorData(code=INVALID_REQUEST, message=said))
     try:
-        return jsonrpc_message_adapter.validate_json(line, by_name=False)
+        message = jsonrpc_message_adapter.validate_json(line, by_name=False)
     except ValueError:
         said = "the line is not a JSON-RPC 2.0 message"
         return JSONRPCError(jsonrpc="2.0", id=None, error=ErrorData(code=PARSE_ERROR, message=said))
+    # With an id that is none, such as 1.5, a request passes for a notification, and its sender would wait.
+    if isinstance(message, JSONRPCNotification) and "id" in json.loads(line):
+        said = "the id of a request is a whole number or a text"
+        return JSONRPCError(jsonrpc="2.0", id=None, error=ErrorData(code=INVALID_REQUEST, message=said))
+    return message

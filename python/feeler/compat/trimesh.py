@@ -20,7 +20,7 @@ from feeler.arguments import check_flag, check_kind, check_threads, shown
 from feeler.compat.meshes import Floats, affine, rigid_after, shape_of, split, triangles_of
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.memory import free_memory
-from feeler.words import counted
+from feeler.words import counted, plural
 
 EXTERNAL = "__external"
 """The name of a mesh that is in no manager."""
@@ -275,7 +275,7 @@ class CollisionManager:
         raise TypeError("a CollisionManager cannot be pickled or copied: add its objects to a new one")
 
     def __repr__(self) -> str:
-        return f"<CollisionManager of {len(self._placed)} objects>"
+        return f"<CollisionManager of {plural(len(self._placed), 'object')}>"
 
     def _of(self, name: Hashable) -> _Placed:
         try:

@@ -35,7 +35,7 @@ class Cache:
     """The entry of one load in a folder of saved scenes."""
 
     def __init__(self, folder: PathLike, paths: PathLike | Iterable[PathLike], options: tuple[object, ...]) -> None:
-        given = check_path("cache", folder)
+        given = check_path("cache", folder, give="a folder")
         if not str(folder) or (os.path.exists(given) and not os.path.isdir(given)):
             raise OptionError(f"cache is {folder!r}: give a folder")
         self._files = sorted(str(found.path.resolve()) for found in collect(paths).files)

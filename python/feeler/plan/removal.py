@@ -52,7 +52,7 @@ class Certificate:
     """How the way was found: "straight", "pushes", "tree 3" (of random trees, by number), "out" (it was already out),
     "direct" (an insertion, straight from its start to its goal), "none"."""
     casts: int
-    """Number of casts."""
+    """Number of casts; the one figure here that depends on threads, some of which try ways that are not needed."""
     versions: tuple[tuple[str, str], ...]
 
 
