@@ -324,7 +324,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
 
 
 def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
-    if name in KINDS or name == "plug":
+    if name in KINDS or (name == "plug" and looks.kind != "nut"):
         return NAMED if looks.kind == "rod" else AGREED
     if name == "other" or looks.is_known_by_name:
         return DOUBTED
