@@ -330,7 +330,7 @@ def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
         return DOUBTED
     if looks.is_strong:
         return STRONG
-    return DOUBTED if is_telling else WEAK
+    return DOUBTED if is_telling or name == "plug" else WEAK
 
 
 def _kind(looks: Looks, name: str | None) -> FastenerKind:
