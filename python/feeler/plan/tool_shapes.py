@@ -131,7 +131,7 @@ def _hole(spec: ToolSpec, z: float) -> Floats:
     """The ring of a socket's hole: round for an external Torx."""
     if "torx" in spec.fits:
         return disc(_hole_reach(spec), z)
-    return flats(spec.size, z, 12 if "12-point" in spec.fits else 4 if "square" in spec.fits else 6)
+    return flats(spec.size, z, 12 if "12-point" in spec.fits else 8 if "square" in spec.fits else 6)
 
 
 def _hole_reach(spec: ToolSpec) -> float:
@@ -152,8 +152,10 @@ def _bit(spec: ToolSpec) -> ToolShape:
 
 def _blade(spec: ToolSpec, high: float) -> Solid:
     """A hexagon or a square by width across flats, or a round blade."""
+    if spec.size > 0.0 and "square socket" in spec.fits:
+        return prism(_rectangle(spec.size, spec.size), 0.0, high)
     if spec.size > 0.0:
-        return lathed([flats(spec.size, z, 4 if "square socket" in spec.fits else 6) for z in (0.0, high)])
+        return lathed([flats(spec.size, z) for z in (0.0, high)])
     return lathed([disc(spec.length("blade") / 2, z) for z in (0.0, high)])
 
 
