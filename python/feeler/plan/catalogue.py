@@ -32,7 +32,8 @@ MOST_EXTENSIONS = 2
 """Extensions of one chain; two only where one is not long enough."""
 _HAND = ("width_mm", "depth_mm", "height_mm")
 _HEADER = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
-_WORDS = ("name", "fits", "sizes", "sizes_mm", "lengths_mm", "threads_mm", "widths_mm", "drive_mm", "swing_deg", "step_deg")
+_LISTS = ("sizes", "sizes_mm", "lengths_mm", "threads_mm", "widths_mm")
+_WORDS = ("name", "fits", *_LISTS, "drive_mm", "swing_deg", "step_deg")
 
 
 class Catalogue(Sequence[ToolSpec]):
@@ -318,9 +319,7 @@ def _check(kind: str, size: float, lengths: Mapping[str, float], where: str) -> 
 _Span = tuple[float, float] | None
 
 
-def _sizes(
-    kind: str, table: Mapping[str, Any], where: str
-) -> tuple[list[str], list[float], list[_Span], list[_Span]]:
+def _sizes(kind: str, table: Mapping[str, Any], where: str) -> tuple[list[str], list[float], list[_Span], list[_Span]]:
     """Labels, widths or lengths in metres, threads, and widths of recesses of each size."""
     if kind in HANDLES:
         return [""], [0.0], [None], [None]

@@ -30,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 LEVELS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4)
 """Where heads are cut, from the top, in heights of the shape: chamfers and domes are above."""
 LOBES = (1.22, 1.55)
-"""Radius of the points of an external Torx, relative to the radius between them: 1.39 in the trade's sizes; 1.13 to 1.27
+"""Radius of the points of an external Torx, relative to the radius between them: about 1.39; 1.13 to 1.27
 for splined shafts with six teeth (ISO 14)."""
 ALIKE = 0.94
 """The least correlation of its outline with a wave of six: teeth of splines are steeper."""

@@ -138,7 +138,7 @@ def _hole_reach(spec: ToolSpec) -> float:
     """How far that hole reaches from the axis."""
     if "torx" in spec.fits:
         return 0.5 * JAW_PLAY * spec.size
-    return spec.size / np.sqrt(2.0 if "square" in spec.fits else 3.0)
+    return spec.size / float(np.sqrt(2.0 if "square" in spec.fits else 3.0))
 
 
 def _bit(spec: ToolSpec) -> ToolShape:
