@@ -250,7 +250,9 @@ def test_no_tool_fits() -> None:
         ({"across_flats": 0.0135}, "13.5 mm across flats; the nearest is"),
         ({"drive": ""}, "does not show its drive"),
         ({"drive": "cross", "size": 0.05, "across_flats": float("nan")}, "a cross on a thread of 50 mm"),
-        ({"drive": "torx"}, "is for a drive of 'torx'"),
+        ({"drive": "pentagon"}, "is for a drive of 'pentagon'"),
+        ({"drive": "torx", "across_flats": float("nan"), "width": 0.0136}, "13.6 mm across its points; the nearest is"),
+        ({"drive": "slot", "across_flats": float("nan"), "width": 0.008}, "for a slot of 8 mm"),
     ]:
         (row,) = feeler.access(scene, BUILT_IN, head(**facts), threads=1)
         assert not row.is_reachable and row.tool is None and words in row.because and not row.tried

@@ -8,6 +8,7 @@ here has a comment before it, `<!-- not run: REASON -->`, and its place in NOT_R
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import io
 import json
 import os
@@ -17,6 +18,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import pytest
@@ -193,14 +195,23 @@ def test_every_page_is_linked_from_the_readme() -> None:
     assert [page for page in PAGES if page.startswith("docs/") and f"({page}" not in readme] == []
 
 
+def _named(name: str) -> Any:
+    """What `feeler.NAME` is, its modules imported; None if there is no such name."""
+    thing: Any = feeler
+    path = "feeler"
+    for part in name.split("."):
+        path += f".{part}"
+        if not hasattr(thing, part) and isinstance(thing, ModuleType) and importlib.util.find_spec(path):
+            importlib.import_module(path)
+        thing = getattr(thing, part, None)
+    return thing
+
+
 def test_every_public_name_of_a_page_exists() -> None:
     """`feeler.NAME` in the text of a page, too: not only in blocks, which run."""
     missing = []
     for page, path in PAGES.items():
         for name in re.findall(r"`feeler\.([A-Za-z_][\w.]*)", path.read_text(encoding="utf-8")):
-            thing: Any = feeler
-            for part in name.rstrip(".").split("."):
-                thing = getattr(thing, part, None)
-            if thing is None:
+            if _named(name.rstrip(".")) is None:
                 missing.append(f"{page}: feeler.{name}")
     assert missing == []

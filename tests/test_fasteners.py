@@ -208,6 +208,21 @@ def test_a_sensor_is_told_by_its_name() -> None:
     assert not feeler.find_fasteners(mockup_of({"receptacle": placed(mesh, tilted(2))}))
 
 
+def test_a_block_with_a_hole_is_no_nut_because_its_name_says_sensor() -> None:
+    """The word confirms a hexagon that is screwed in, and no nut."""
+    square = [(sign * 0.01, other * 0.01) for sign, other in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    side = np.array([*square, square[0]])
+    outline = [side[k] + t * (side[k + 1] - side[k]) for k in range(4) for t in np.arange(6) / 6.0]
+    outside = [np.column_stack([np.array(outline), np.full(24, z)]) for z in (0.0, 0.008)]
+    start = np.arctan2(outline[0][1], outline[0][0])
+    turn = start + np.arange(24) * (2.0 * np.pi / 24)
+    for bore in (0.0025, 0.004):
+        hole = [np.column_stack([bore * np.cos(turn), bore * np.sin(turn), np.full(24, z)]) for z in (0.008, 0.0)]
+        mesh = skin_loops([*outside, *hole], closed=True)
+        for name in ("sensor", "speed_sensor_2", "plug"):
+            assert not feeler.find_fasteners(mockup_of({name: placed(mesh, tilted(3))})), (bore, name)
+
+
 DRAWN = pytest.importorskip("drawn_fasteners") if find_spec("manifold3d") else None
 
 

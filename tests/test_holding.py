@@ -496,6 +496,22 @@ def test_a_union_nut_is_on_its_wide_bore_in_any_pose() -> None:
         assert [step.paths for step in task.steps] == [("union nut",), ("pipe", "union nut")]
 
 
+@pytest.mark.parametrize("high", [0.12, 0.3])
+@pytest.mark.parametrize("is_bent", [True, False])
+def test_a_union_nut_stays_on_a_pipe_with_a_bend_however_far_away(high: float, is_bent: bool) -> None:
+    foot = joined(ring(0.004, 0.0221, 0.024, 0.0075), ring(0.004, 0.024, high, 0.005))
+    # The far end is bent, or it is straight beside a stay that leaves room for the nut.
+    bend = box((-0.005, -0.005, high), (0.08, 0.005, high + 0.01))
+    parts = {
+        "adapter": joined(ring(0.004, 0.0, 0.008, 0.012), ring(0.004, 0.008, 0.022, 0.009)),
+        "pipe": joined(foot, bend if is_bent else box((0.02, -0.005, high), (0.08, 0.005, high + 0.01))),
+        "union nut": union_nut(0.024, 0.00902, 0.0053, 0.01, 0.0241, 0.032),
+        "case": box((-0.04, -0.04, -0.04), (0.04, 0.04, -0.0001)),
+    }
+    task = feeler.task(feeler.Scene(tilted(parts, 1)), "pipe", keep=["case", "adapter"])
+    assert [step.paths for step in task.steps] == [("union nut",), ("pipe", "union nut") if is_bent else ("pipe",)]
+
+
 def test_a_plug_is_undone_for_its_sealing_ring() -> None:
     parts = {
         "plug": plain(hardware.hex_bolt(SIZE, 0.015, USUAL), at(z=0.0015)),

@@ -112,6 +112,24 @@ def test_what_goes_through_a_clevis_pin_is_out_before_it(pin: dict[str, Mesh]) -
     assert steps(scene, "rod") == [f"take out {name}", "take out clevis_pin", "take out rod"]
 
 
+@pytest.mark.parametrize(("name", "rod"), [("split_pin", "part 3"), ("part_7", "axe"), ("R-clip", "Achse")])
+def test_a_cotter_pin_goes_through_a_rod_whatever_that_is_called(name: str, rod: str) -> None:
+    parts = clevis({name: hairpin(0.0014, 0.0055) if name == "R-clip" else cotter(0.0015, 0.0058, 0.006)})
+    scene = tilted({rod if part == "clevis_pin" else part: mesh for part, mesh in parts.items()}, 8)
+    row = held_by(scene, name)
+    assert (row.kind, row.paths, row.anchor_path) == ("cotter", ("washer",), rod)
+    if rod == "part 3":
+        assert steps(scene, "rod") == [f"take out {name}", f"take out {rod}", "take out rod"]
+
+
+def test_a_wire_across_a_rod_is_no_cotter_pin_if_it_can_be_drawn() -> None:
+    parts = clevis({"part_7": solid([(0.0012, -0.012), (0.0012, 0.012)], 16)})
+    parts["part_7"] = placed(placed(parts["part_7"], at(z=-0.0235)), at(degrees=90.0, axis=1))
+    parts["part_7"] = placed(parts["part_7"], at(z=0.0235))
+    scene = tilted({"part 3" if part == "clevis_pin" else part: mesh for part, mesh in parts.items()}, 9)
+    assert feeler.holds(scene).of(scene.mockup.part_paths.index("part_7")) is None
+
+
 def pinned(name: str, pin: Mesh) -> dict[str, Mesh]:
     """A hub on a shaft, with a hole across both."""
     halves = [ring(0.01001, 0.02, 0.0025, 0.01), ring(0.01001, 0.02, -0.01, -0.0025)]

@@ -32,7 +32,8 @@ MOST_EXTENSIONS = 2
 """Extensions of one chain; two only where one is not long enough."""
 _HAND = ("width_mm", "depth_mm", "height_mm")
 _HEADER = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
-_WORDS = ("name", "fits", "sizes", "sizes_mm", "lengths_mm", "threads_mm", "drive_mm", "swing_deg", "step_deg")
+_LISTS = ("sizes", "sizes_mm", "lengths_mm", "threads_mm", "widths_mm")
+_WORDS = ("name", "fits", *_LISTS, "drive_mm", "swing_deg", "step_deg")
 
 
 class Catalogue(Sequence[ToolSpec]):
@@ -107,18 +108,22 @@ class Catalogue(Sequence[ToolSpec]):
                 raise OptionError(f"the catalogue has no {shown(step)}: {near(step, by_name)}")
         return tuple(by_name[step] for step in steps)
 
-    def fitting(self, drive: str, across_flats: float, thread: float) -> list[tuple[ToolSpec, ...]]:
+    def fitting(
+        self, drive: str, across_flats: float, thread: float, width: float = math.nan
+    ) -> list[tuple[ToolSpec, ...]]:
         """The tools and chains that fit a fastener, in the order in which they are tried: sizes in metres, NaN if not
         known.
 
-        Kinds in the order of the catalogue; of chains the shortest extension first, then the smallest drive.
+        `width`: as `Fastener.width`, where there are no flats. Kinds in the order of the catalogue; of chains the
+        shortest extension first, then the smallest drive.
         """
         wanted = check_text("drive", drive, "a drive, as Fastener.drive")
-        width, diameter = check_real("across_flats", across_flats), check_real("thread", thread)
-        suited = [row for row in self._rows if suits(row, wanted, width, diameter)]
+        flats, diameter = check_real("across_flats", across_flats), check_real("thread", thread)
+        wide = check_real("width", width) if math.isnan(flats) else flats
+        suited = [row for row in self._rows if suits(row, wanted, wide, diameter)]
         found: list[tuple[ToolSpec, ...]] = []
         for kind in dict.fromkeys(row.kind for row in suited):
-            some = _nearest([row for row in suited if row.kind == kind], width)
+            some = _nearest([row for row in suited if row.kind == kind], wide)
             found += self._chains(some) if kind in HEADS else [(row,) for row in some]
         return found
 
@@ -257,11 +262,11 @@ def _hand(table: Any, where: str) -> tuple[float, float, float]:
 def _rows(kind: str, table: Mapping[str, Any], where: str) -> Iterator[ToolSpec]:
     """The tools of one table: one for each size."""
     says = TOOL_KINDS[kind]
-    known = [*_WORDS, *(f"{name}_mm" for name in says.lengths)]
+    words = [*_WORDS, *(f"{name}_mm" for name in says.lengths)]
     for key in table:
-        if key not in known:
-            raise LoadError(f"{where}: {shown(key)} is unknown: {near(key, known)}")
-    labels, sizes, threads = _sizes(kind, table, where)
+        if key not in words:
+            raise LoadError(f"{where}: {shown(key)} is unknown: {near(key, words)}")
+    labels, sizes, threads, widths = _sizes(kind, table, where)
     count = len(labels)
     drive = MM * _number(table.get("drive_mm"), f"{where}: drive_mm") if says.has_drive else 0.0
     base = table.get("name", kind.replace("_", " "))
@@ -277,7 +282,8 @@ def _rows(kind: str, table: Mapping[str, Any], where: str) -> Iterator[ToolSpec]
         for note, shape in _variants(kind, lengths):
             name = " ".join(each for each in (base, labels[k]) if each) + end + note
             _check(kind, sizes[k], shape, f"{where}: {name}")
-            yield ToolSpec(kind, name, sizes[k], fits, threads[k], drive, swing, step, tuple(sorted(shape.items())))
+            known = tuple(sorted(shape.items()))
+            yield ToolSpec(kind, name, sizes[k], fits, threads[k], drive, swing, step, known, widths[k])
 
 
 def _variants(kind: str, lengths: dict[str, float]) -> list[tuple[str, dict[str, float]]]:
@@ -310,33 +316,51 @@ def _check(kind: str, size: float, lengths: Mapping[str, float], where: str) -> 
         raise LoadError(f"{where}: end_length_mm is not less than the length")
 
 
-def _sizes(
-    kind: str, table: Mapping[str, Any], where: str
-) -> tuple[list[str], list[float], list[tuple[float, float] | None]]:
-    """Labels, widths or lengths in metres, and threads of each size."""
+_Span = tuple[float, float] | None
+
+
+def _sizes(kind: str, table: Mapping[str, Any], where: str) -> tuple[list[str], list[float], list[_Span], list[_Span]]:
+    """Labels, widths or lengths in metres, threads, and widths of recesses of each size."""
     if kind in HANDLES:
-        return [""], [0.0], [None]
+        return [""], [0.0], [None], [None]
     if kind == "extension":
         lengths = _numbers(table.get("lengths_mm"), f"{where}: lengths_mm")
-        return [f"{each:g}" for each in lengths], [MM * each for each in lengths], [None] * len(lengths)
-    if "threads_mm" in table:
-        rows = table["threads_mm"]
+        return [f"{each:g}" for each in lengths], [MM * each for each in lengths], *_no_spans(len(lengths))
+    if "threads_mm" in table or "widths_mm" in table:
         labels = list(_texts(table.get("sizes"), f"{where}: sizes"))
-        if not isinstance(rows, list) or len(rows) != len(labels):
-            raise LoadError(f"{where}: threads_mm: give [from, to] for each of `sizes`")
-        spans: list[tuple[float, float] | None] = []
-        for row in rows:
-            if not isinstance(row, list) or len(row) != 2:
-                raise LoadError(f"{where}: threads_mm is {shown(row)}: give [from, to]")
-            low, high = (MM * _number(each, f"{where}: threads_mm", least=0.0) for each in row)
-            if low > high:
-                raise LoadError(f"{where}: threads_mm is {shown(row)}: give [from, to]")
-            spans.append((low, high))
-        return labels, [0.0] * len(labels), spans
+        threads, widths = (_spans(table, name, len(labels), where) for name in ("threads_mm", "widths_mm"))
+        return labels, [0.0] * len(labels), threads, widths
     if kind == "pliers":
-        return [""], [0.0], [None]
-    widths = _numbers(table.get("sizes_mm"), f"{where}: sizes_mm")
-    return [f"{each:g}" for each in widths], [MM * each for each in widths], [None] * len(widths)
+        return [""], [0.0], [None], [None]
+    sizes = _numbers(table.get("sizes_mm"), f"{where}: sizes_mm")
+    labels = [f"{each:g}" for each in sizes]
+    if "sizes" in table:
+        labels = list(_texts(table["sizes"], f"{where}: sizes"))
+        if len(labels) != len(sizes):
+            raise LoadError(f"{where}: {len(labels)} sizes for {len(sizes)} sizes_mm: give a name for each")
+    return labels, [MM * each for each in sizes], *_no_spans(len(sizes))
+
+
+def _no_spans(count: int) -> tuple[list[_Span], list[_Span]]:
+    return [None] * count, [None] * count
+
+
+def _spans(table: Mapping[str, Any], name: str, count: int, where: str) -> list[_Span]:
+    """From and to of each size, metres; None where the table does not have them."""
+    if name not in table:
+        return [None] * count
+    rows = table[name]
+    if not isinstance(rows, list) or len(rows) != count:
+        raise LoadError(f"{where}: {name}: give [from, to] for each of `sizes`")
+    spans: list[_Span] = []
+    for row in rows:
+        if not isinstance(row, list) or len(row) != 2:
+            raise LoadError(f"{where}: {name} is {shown(row)}: give [from, to]")
+        low, high = (MM * _number(each, f"{where}: {name}", least=0.0) for each in row)
+        if low > high:
+            raise LoadError(f"{where}: {name} is {shown(row)}: give [from, to]")
+        spans.append((low, high))
+    return spans
 
 
 def _column(value: Any, count: int, where: str) -> list[float]:

@@ -26,7 +26,7 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 Pieces = tuple[ToolSpec, ...]
 
-SIDES = {"hexagon": 6, "square": 4, "12-point": 12}
+SIDES = {"hexagon": 6, "square": 4, "12-point": 12, "torx": 6}
 """Flats of the drives on the outside."""
 UPRIGHT = 0.1
 """Faces whose normals are this near to across the axis are flats."""
@@ -134,7 +134,7 @@ def room_of(
     chosen = Chosen(catalogue, SeatSearch(60.0, 4, approach, 0.0), None, hand)
     head = fastener.length if fastener.kind == "nut" else fastener.head_height
     radius, low, high = 0.0, 0.0, 0.0
-    for pieces in catalogue.fitting(fastener.drive, fastener.across_flats, fastener.size):
+    for pieces in catalogue.fitting(fastener.drive, fastener.across_flats, fastener.size, fastener.width):
         tool = chosen.seated(pieces).tool
         deepest = max(depths_of(pieces[0], head))
         radius = max(radius, float(np.hypot(tool.vertices[:, 0], tool.vertices[:, 1]).max()))
@@ -203,7 +203,7 @@ class _Tried:
 
     def __post_init__(self) -> None:
         row = self.fastener
-        self.fitting = self.chosen.catalogue.fitting(row.drive, row.across_flats, row.size)
+        self.fitting = self.chosen.catalogue.fitting(row.drive, row.across_flats, row.size, row.width)
 
     def first(self) -> Reach:
         """The first that reaches, or the nearest."""
@@ -306,13 +306,16 @@ def _no_fit(catalogue: Catalogue, fastener: Fastener) -> str:
     """Why nothing fits."""
     if not fastener.drive:
         return "no tool fits: the mesh does not show its drive"
-    width = fastener.across_flats
+    width = fastener.across_flats if fastener.across_flats > 0.0 else fastener.width
     kinds = [row for row in catalogue if fastener.drive in row.fits]
     if not kinds:
         return f"no tool of the catalogue is for a drive of {fastener.drive!r}"
     if width > 0.0 and any(row.size > 0.0 for row in kinds):
         nearest = min((row for row in kinds if row.size > 0.0), key=lambda row: abs(row.size - width))
-        return f"no tool of the catalogue is for {1e3 * width:.4g} mm across flats; the nearest is {nearest.name}"
+        across = f"{1e3 * width:.4g} mm across {'its points' if fastener.drive == 'torx' else 'flats'}"
+        return f"no tool of the catalogue is for {across}; the nearest is {nearest.name}"
+    if width > 0.0 and any(row.widths is not None for row in kinds):
+        return f"no tool of the catalogue is for a {fastener.drive} of {1e3 * width:.3g} mm"
     return f"no tool of the catalogue is for a {fastener.drive} on a thread of {1e3 * fastener.size:.3g} mm"
 
 

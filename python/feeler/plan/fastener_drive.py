@@ -59,7 +59,7 @@ class Recess:
     drive: str
     """"hexagon socket", "square socket", "12-point socket", "torx socket", "slot" or "cross"."""
     width: float
-    """Across flats; for a slot and a cross its width."""
+    """Across flats; for a slot and a cross its width; for a Torx across its points."""
     reach: float
     """Its greatest distance from the axis."""
     walls: Ints
@@ -92,12 +92,22 @@ def recess_of(walls: Walls, low: float, high: float) -> Recess | None:
     if not is_cut.any() or floor >= level:
         return None
     begin, end = _cut(walls.corners[inner[is_cut]], level)
-    outline = _Outline(begin, end, walls.across[inner[is_cut]], -walls.distance[inner[is_cut]])
+    outline = Outline(begin, end, walls.across[inner[is_cut]], -walls.distance[inner[is_cut]])
     found = outline.slot() or outline.cross() or outline.prism() or outline.lobes()
     if found is None:
         return None
     drive, width = found
     return Recess(drive, width, outline.reach, inner)
+
+
+def outline_at(walls: Walls, level: float) -> Outline | None:
+    """The outline of the outer walls at a height; None where there are none."""
+    z = walls.corners[:, :, 2]
+    chosen = np.flatnonzero((walls.distance > 0.0) & (z.min(axis=1) < level) & (z.max(axis=1) > level))
+    if not len(chosen):
+        return None
+    begin, end = _cut(walls.corners[chosen], level)
+    return Outline(begin, end, walls.across[chosen], walls.distance[chosen])
 
 
 def _beside_bore(walls: Walls, inner: Ints, end: float) -> Ints:
@@ -127,8 +137,8 @@ def _cut(corners: Floats, level: float) -> tuple[Floats, Floats]:
     return ends[0], ends[1]
 
 
-class _Outline:
-    """The outline of a recess: segments, the directions of their normals, and their distances from the axis."""
+class Outline:
+    """The outline of a cut: segments, the directions of their normals, and their distances from the axis."""
 
     def __init__(self, begin: Floats, end: Floats, normals: Floats, distance: Floats) -> None:
         self.begin, self.end, self.distance = begin, end, np.einsum("ij,ij->i", -normals, 0.5 * (begin + end))
@@ -149,6 +159,13 @@ class _Outline:
         if np.abs(steps - nearest).max() > ALONG_DEG * count / 360.0:
             return None
         return np.asarray(np.bincount(nearest % count, weights=weight, minlength=count), dtype=np.float64)
+
+    def leans(self) -> Floats:
+        """Angles from the radius to the normals of the segments, degrees, (n,), -90 to 90."""
+        middle = 0.5 * (self.begin + self.end)
+        ahead = self.normals[:, 1] * middle[:, 0] - self.normals[:, 0] * middle[:, 1]
+        far = np.maximum(np.linalg.norm(middle, axis=1), 1e-300)
+        return np.asarray(np.degrees(np.arcsin(np.clip(ahead / far, -1.0, 1.0))))
 
     def slot(self) -> tuple[str, float] | None:
         """Two walls that face each other."""
@@ -185,21 +202,26 @@ class _Outline:
         return None
 
     def lobes(self) -> tuple[str, float] | None:
-        """Six lobes: around the axis, far and near walls alternate twelve times."""
+        """Six lobes of a recess."""
+        return ("torx socket", 2.0 * self.reach) if self.is_lobed(LOBES, 0.9) else None
+
+    def is_lobed(self, ratios: tuple[float, float], alike: float) -> bool:
+        """Whether far and near walls alternate twelve times around the axis.
+
+        ratios: of the greatest and the least radius; alike: the least correlation with a wave.
+        """
         points = np.concatenate([self.begin, self.end, 0.5 * (self.begin + self.end)])
         r, turn = np.linalg.norm(points, axis=1), np.arctan2(points[:, 1], points[:, 0])
-        if not LOBES[0] <= self.reach / max(float(r.min()), 1e-300) <= LOBES[1]:
-            return None
+        if not ratios[0] <= self.reach / max(float(r.min()), 1e-300) <= ratios[1]:
+            return False
         sixth = (turn * 6.0) % (2.0 * np.pi)
         # With all lobes laid on top of each other, they must agree, and be far at one angle.
         phase = np.angle(np.sum((r - r.mean()) * np.exp(1j * sixth)))
         model = np.cos(sixth - phase)
-        if np.corrcoef(model, r)[0, 1] < 0.9:
-            return None
+        if np.corrcoef(model, r)[0, 1] < alike:
+            return False
         steps = np.round((turn - phase / 6.0) * 3.0 / np.pi).astype(np.int64) % 6
-        if len(np.unique(steps)) < 6 or len(self.length) < 18:
-            return None
-        return "torx socket", 2.0 * self.reach
+        return len(np.unique(steps)) == 6 and len(self.length) >= 18
 
     def _is_one(self, distance: Floats, middle: float) -> bool:
         return bool(np.abs(distance - middle).max() <= max(SAME * self.reach, 0.01 * middle))

@@ -102,7 +102,7 @@ def hexagon_headed(view: View) -> Found | None:
     """A hexagon on a short or hollow thread, or on a collar that is wider than both."""
     prisms = [b for b in view.outer() if b.sides]
     # Flats of a plug may be as far from the axis as its thread.
-    head = max(prisms, key=lambda b: (b.sides > 4, b.radius), default=None) or _above_collar(view)
+    head = max(prisms, key=lambda b: (b.sides > 4, b.radius), default=None) or above_collar(view)
     if head is None:
         return None
     bore = _bore(view)
@@ -117,8 +117,8 @@ def hexagon_headed(view: View) -> Found | None:
     ):
         return None  # a bore from above: a domed nut from below
     under = head.low - view.low
-    radius = _widest(view, view.low, view.low + 0.4 * under)
-    wide = _widest(view, view.low, head.low - 0.02 * under)
+    radius = widest(view, view.low, view.low + 0.4 * under)
+    wide = widest(view, view.low, head.low - 0.02 * under)
     if not radius > 0.0 or bore > WIDEST_BORE * radius:
         return None
     if any(b is not head and b.sides in (4, 6) and b.radius > 1.2 * radius for b in prisms):
@@ -143,7 +143,7 @@ def hexagon_headed(view: View) -> Found | None:
     )
 
 
-def _above_collar(view: View) -> Body | None:
+def above_collar(view: View) -> Body | None:
     """The prism that stands alone on the widest section."""
     top = float(view.z[view.r > 0.97 * float(view.r.max())].max())
     found = view.outer_above(top - 1e-3 * (view.high - view.low))
@@ -199,7 +199,7 @@ def recessed(view: View) -> Found | None:
     below = under - view.low
     if below < 0.1 * full:
         return _headless(view, recess, head, head, bore)
-    radius = thread_of(view, _widest(view, view.low, view.low + 0.4 * below), recess)
+    radius = thread_of(view, widest(view, view.low, view.low + 0.4 * below), recess)
     if bore > WIDEST_BORE * radius:
         return None
     is_thread = view.high - under >= DOG_THREAD * 2.0 * head
@@ -228,7 +228,7 @@ def _is_screw_shape(
     height, wide = (view.high - bearing) / (2.0 * radius), head / radius
     slender = (bearing - view.low) / (2.0 * radius)
     is_sure = bore <= NARROW_BORE * radius and not _steps(view, bearing, radius)
-    is_socket = recess.drive not in ("slot", "square socket")
+    is_socket = recess.drive != "slot" and (recess.drive != "square socket" or not bore)
     if wide < HEAD_TO_SHANK[0]:
         is_plug = wide >= COLLAR and (view.high - bearing) <= 1.5 * COLLAR_HEIGHT * 2.0 * head and not shoulder
         return is_sure and is_socket if is_plug and COLLAR_LENGTH[0] <= slender <= COLLAR_LENGTH[1] else None
@@ -262,6 +262,7 @@ def _screw(
         *("screw", 2.0 * radius, flats, length, height, ring, because, recess.drive),
         is_strong=is_sure,
         is_known_by_name=not is_sure,
+        width=recess.width,
     )
 
 
@@ -272,7 +273,7 @@ def wing_screw(view: View) -> Found | None:
         return None
     hub, reach = wings
     wing = float(view.z[view.r > 1.2 * hub].min())
-    radius = _widest(view, view.low, view.low + 0.4 * (wing - view.low))
+    radius = widest(view, view.low, view.low + 0.4 * (wing - view.low))
     if not WING_SHANK[0] <= radius / hub <= WING_SHANK[1]:
         return None
     bearing = bearing_of(view, radius, hub)
@@ -300,7 +301,7 @@ def carriage_bolt(view: View) -> Found | None:
         return None
     head = float(view.r.max())
     under = float(view.z[view.r > 0.9 * head].min())
-    radius = _widest(view, view.low, view.low + 0.3 * (under - view.low))
+    radius = widest(view, view.low, view.low + 0.3 * (under - view.low))
     if not radius > 0.0 or not ROUND_HEAD[0] <= head / radius <= ROUND_HEAD[1]:
         return None
     # The neck's flats may be as far from the axis as the shank: its corners show it.
@@ -349,7 +350,7 @@ def _is_recess(view: View, inner: Body) -> bool:
     return False
 
 
-def _widest(view: View, low: float, high: float) -> float:
+def widest(view: View, low: float, high: float) -> float:
     """The greatest radius between two heights; 0 where no corner lies there."""
     return float(view.r[(view.z >= low) & (view.z < high)].max(initial=0.0))
 

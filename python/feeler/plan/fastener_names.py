@@ -25,13 +25,19 @@ ENDINGS = {"mutter": "nut", "muttern": "nut", "schraube": "screw", "schrauben": 
 """How words end that are two in one, such as "Flügelmutter"."""
 
 STANDARDS = {
-    "bolt": "603 609 910 931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
-    "screw": "84 316 906 908 912 913 914 915 916 923 963 964 965 966 1207 1580 2009 4026 4027 4028 4029 4762 "
-    "7045 7046 7047 7379 7380 7984 7985 7991 10642",
+    "bolt": "478 479 480 603 609 910 931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
+    "screw": "84 316 653 906 908 912 913 914 915 916 923 963 964 965 966 1207 1580 2009 4026 4027 4028 4029 4762 "
+    "6304 6306 7045 7046 7047 7379 7380 7984 7985 7991 10642",
     "nut": "315 934 936 439 555 985 982 1587 4032 4033 4034 4035 6923 7040 10511",
     "stud": "835 938 939 976",
 }
 """Numbers of DIN and ISO standards by kind of fastener."""
+
+BY_HAND = (
+    "thumb thumbscrew thumbscrews knurled tommy raendelschraube raendelschrauben randelschraube randelschrauben "
+    "knebelschraube knebelschrauben moletee moleteado zigrinata godronata"
+)
+"""Words of names of screws that are turned by hand."""
 
 RETAINERS = {
     "circlip": "circlip circlips snapring snaprings retainingring retainingrings seeger seegerring sicherungsring "
@@ -87,6 +93,7 @@ _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for num
 _RETAINER_OF_WORD = {word: kind for kind, words in RETAINERS.items() for word in words.split()}
 _RETAINER_OF_FIRST = {word: kind for kind, words in RETAINERS_FIRST.items() for word in words.split()}
 _RETAINER_OF_STANDARD = {number: kind for kind, numbers in RETAINER_STANDARDS.items() for number in numbers.split()}
+_BY_HAND = frozenset(BY_HAND.split())
 _PIPES = frozenset(PIPES.split())
 _OTHERS = frozenset(OTHERS.split())
 _GENERIC = frozenset(GENERIC.split())
@@ -125,6 +132,11 @@ def retainer_said(name: str) -> str | None:
     nouns = [word for word in said if len(word) > 2]  # without "de", "di"
     pairs = [first + second for first, second in itertools.pairwise(nouns)]
     return next((_RETAINER_OF_FIRST[word] for word in [*nouns, *pairs] if word in _RETAINER_OF_FIRST), None)
+
+
+def is_by_hand(name: str) -> bool:
+    """Whether a name says that a screw is turned by hand."""
+    return any(word in _BY_HAND for word in words(_without_accents(name)))
 
 
 def is_pipe(name: str) -> bool:

@@ -14,7 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from feeler.plan.fastener_drive import outline_at
 from feeler.plan.fastener_forms import LESS_USUAL, is_domed, is_shaft, wing_screw
+from feeler.plan.fastener_rare import RARE
 from feeler.plan.fastener_view import (
     BORE_TO_FLATS,
     FLAT_SOCKETS,
@@ -33,6 +35,7 @@ from feeler.plan.fastener_view import (
     article,
     bearing_of,
     frame_of,
+    is_winged,
     mm,
     shank_of,
     thread_of,
@@ -80,6 +83,10 @@ PRISM_HEIGHT = (0.25, 1.0)
 """The same for a prism that represents a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
 """The widest shank, and width across flats, of ambiguous shapes: larger parts of such a shape are seldom fasteners."""
+STEEP_DEG = 30.0
+"""Angle between the normals of the flanks of teeth and the radius, at least: facets of round heads are turned less."""
+STEEP_SHARE = 0.15
+"""The least share of flanks in the outline of a toothed wheel."""
 HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head, relative to its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
@@ -118,6 +125,8 @@ class Looks:
     """As `Fastener.drive`."""
     is_known_by_name: bool = False
     """Whether other things have this shape as often, so that the name decides."""
+    width: float = np.nan
+    """Of a drive without flats, as `Fastener.width`."""
 
 
 def looks_of(vertices: Floats, faces: Ints) -> Looks | None:
@@ -252,7 +261,7 @@ def _is_round(offset: Floats, axis: Floats) -> bool:
     widths = around.max(axis=0) - around.min(axis=0)
     if widths.min() >= LEAST_ROUND * widths.max():
         return True
-    return wings_of(across, np.hypot(across[:, 0], across[:, 1])) is not None
+    return is_winged(across, np.hypot(across[:, 0], across[:, 1]))
 
 
 def _recognised(view: View, axis: Floats, centre: Floats, forms: Sequence[_Form]) -> Looks | None:
@@ -280,6 +289,7 @@ def _recognised(view: View, axis: Floats, centre: Floats, forms: Sequence[_Form]
                 because=found.because,
                 drive=found.drive,
                 is_known_by_name=found.is_known_by_name,
+                width=found.width,
             )
             if looks.is_strong:
                 return looks
@@ -368,7 +378,7 @@ def _recessed_screw(view: View) -> Found | None:
     because = f"{article(recess.drive)}{width} {where}"
     length = full if is_headless else bearing - view.low
     size = 2.0 * (radius if is_headless else thread_of(view, radius, recess))
-    return Found("screw", size, flats, length, view.high - bearing, head, because, recess.drive)
+    return Found("screw", size, flats, length, view.high - bearing, head, because, recess.drive, width=recess.width)
 
 
 def _nut(view: View, narrowest: float = BORE_TO_FLATS[0]) -> Found | None:
@@ -485,9 +495,19 @@ def _round_screw(view: View) -> Found | None:
         return None
     if not HEAD_HEIGHT[0] <= height / (2.0 * radius) <= HEAD_HEIGHT[1]:
         return None
-    because = f"a round head of {mm(2.0 * wide)} on a shank of {mm(2.0 * radius)}"
-    ring = 0.9 * head.radius
-    return Found("screw", 2.0 * radius, np.nan, bearing - view.low, height, ring, because, is_strong=False)
+    size, ring, is_toothed = 2.0 * radius, 0.9 * head.radius, _is_toothed(view, view.high - 0.5 * height)
+    because = f"a round head of {mm(2.0 * wide)} on a shank of {mm(size)}"
+    found = Found("screw", size, np.nan, bearing - view.low, height, ring, because, is_strong=False)
+    return replace(found, is_known_by_name=is_toothed)
+
+
+def _is_toothed(view: View, level: float) -> bool:
+    """Whether the outside has teeth at a height, as gears, splines and pulleys have."""
+    outline = outline_at(view.walls, level)
+    if outline is None:
+        return False
+    is_steep = np.abs(outline.leans()) > STEEP_DEG
+    return bool(outline.length[is_steep].sum() > STEEP_SHARE * outline.length.sum())
 
 
 def _prism(view: View) -> Found | None:
@@ -505,4 +525,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
-_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, _thick_nut)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut)

@@ -165,6 +165,8 @@ class Found:
     top: float | None = None
     """None: the upper end."""
     is_known_by_name: bool = False
+    width: float = np.nan
+    """Of a drive without flats, as `Fastener.width`."""
 
 
 def view_along(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> View | None:
@@ -204,7 +206,7 @@ def view_along(corners: Floats, area: Floats, normals: Floats, centre: Floats, a
         if body is not None:
             bodies.append(body)
             share += float(weights[group][~is_cut[group]].sum()) / (whole or total)
-    if share < LEAST_SYMMETRIC and wings_of(rest[:, :2], r.reshape(-1)) is None:
+    if share < LEAST_SYMMETRIC and not is_winged(rest[:, :2], r.reshape(-1)):
         return None
     kept = [body for body in bodies if body.share >= LEAST_BODY]
     return View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses, walls)
@@ -266,6 +268,23 @@ def wings_of(across: Floats, r: Floats) -> tuple[float, float] | None:
         return None
     wing = along > 1.1 * hub
     return (hub, reach) if float(beside[wing].max()) < 0.6 * hub else None
+
+
+def crossbar_of(across: Floats, r: Floats) -> tuple[float, float, float] | None:
+    """Radius of a head, and half the length and thickness of the bar across it; None without a bar."""
+    reach, tip = float(r.max()), wing_tip(across, r)
+    along, beside = across @ tip, np.abs(across @ np.array([-tip[1], tip[0]]))
+    hub, thick = float(beside.max()), float(beside[r > 0.85 * reach].max())
+    is_both = float(along.min()) < -0.95 * reach and float(along.max()) > 0.95 * reach
+    if not (is_both and hub < 0.62 * reach and 0.3 * hub <= thick <= 0.95 * hub):
+        return None
+    beyond = beside[np.abs(along) > 1.05 * hub]
+    return (hub, reach, thick) if float(beyond.max()) < 1.05 * thick else None
+
+
+def is_winged(across: Floats, r: Floats) -> bool:
+    """Whether a shape has wings or a bar across its axis."""
+    return wings_of(across, r) is not None or crossbar_of(across, r) is not None
 
 
 def shank_of(view: View, under: float, wide: float) -> tuple[float, float] | None:

@@ -16,7 +16,7 @@ from feeler.errors import MeshError
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import kind_said, says_nothing
+from feeler.plan.fastener_names import is_by_hand, kind_said, says_nothing
 from feeler.plan.fastener_shape import Looks, bore_of, looks_of, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
@@ -84,8 +84,12 @@ class Fastener:
     """0 to 1: an order, not a probability. `because` explains it."""
     because: str
     drive: str = ""
-    """The drive of the tool: "hexagon", "square", "12-point" or "wings" on the outside; "hexagon socket", "square
-    socket", "12-point socket", "torx socket", "slot" or "cross" inside; empty if the mesh does not show it."""
+    """The drive of the tool: "hexagon", "square", "12-point", "torx", "wings" or "hand" (a knurled head, a crossbar) on
+    the outside; "hexagon socket", "square socket", "12-point socket", "torx socket", "slot" or "cross" inside; empty if
+    the mesh does not show it."""
+    width: float = np.nan
+    """The width by which its tool is chosen: across flats; across the points of a Torx; of a slot, and of the slots of
+    a cross. NaN for other drives."""
 
     @property
     def axis(self) -> Floats:
@@ -172,7 +176,7 @@ class Fasteners(Sequence[Fastener]):
 
 
 def _key(row: Fastener) -> tuple[Any, ...]:
-    numbers = [row.size, row.across_flats, row.length, row.head_height, row.confidence]
+    numbers = [row.size, row.across_flats, row.width, row.length, row.head_height, row.confidence]
     return (row.part, row.path, row.kind, row.drive, row.because, row.frame.tobytes(), np.array(numbers).tobytes())
 
 
@@ -317,20 +321,21 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             head_height=seen.head_height,
             confidence=confidence,
             because=seen.because + voice,
-            drive=seen.drive,
+            drive=seen.drive or ("hand" if kind == "screw" and is_by_hand(world.part_names[part]) else ""),
+            width=seen.across_flats if np.isnan(seen.width) else seen.width,
         )
         found.append((row, seen))
     return found
 
 
 def _confidence(looks: Looks, name: str | None, is_telling: bool) -> float:
-    if name in KINDS or name == "plug":
+    if name in KINDS or (name == "plug" and looks.kind != "nut"):
         return NAMED if looks.kind == "rod" else AGREED
     if name == "other" or looks.is_known_by_name:
         return DOUBTED
     if looks.is_strong:
         return STRONG
-    return DOUBTED if is_telling else WEAK
+    return DOUBTED if is_telling or name == "plug" else WEAK
 
 
 def _kind(looks: Looks, name: str | None) -> FastenerKind:

@@ -69,7 +69,7 @@ def cores_of(pieces: Sequence[ToolSpec]) -> list[Solid]:
 def _core_socket(spec: ToolSpec) -> list[list[tuple[float, float]]]:
     """Radii and heights; the hole is as wide as its corners, and negative: the ring is around it."""
     outer, body, length, depth = (spec.length(name) for name in ("outer", "body", "length", "depth"))
-    hole, nose = spec.size / np.sqrt(3.0), min(depth + 2e-3, 0.9 * length)
+    hole, nose = _hole_reach(spec), min(depth + 2e-3, 0.9 * length)
     if hole >= 0.49 * outer:
         return [[(body / 2, nose), (body / 2, length)]]
     rings = [(-hole, depth), (-hole, 0.0), (outer / 2, 0.0), (outer / 2, nose), (body / 2, nose), (body / 2, length)]
@@ -121,11 +121,24 @@ def _along_z(z: float) -> Floats:
 def _socket(spec: ToolSpec) -> ToolShape:
     """A nose with a hexagon or twelve points inside, and the body with the drive."""
     outer, body, length, depth = (spec.length(name) for name in ("outer", "body", "length", "depth"))
-    points = 12 if "12-point" in spec.fits else 6
     nose = min(depth + 2e-3, 0.9 * length)
-    rings = [flats(spec.size, depth, points), flats(spec.size, 0.0, points), disc(outer / 2, 0.0)]
+    rings = [_hole(spec, depth), _hole(spec, 0.0), disc(outer / 2, 0.0)]
     rings += [disc(outer / 2, nose), disc(body / 2, nose), disc(body / 2, length)]
     return ToolShape((("socket", lathed(rings)),), np.eye(4), length)
+
+
+def _hole(spec: ToolSpec, z: float) -> Floats:
+    """The ring of a socket's hole: round for an external Torx."""
+    if "torx" in spec.fits:
+        return disc(_hole_reach(spec), z)
+    return flats(spec.size, z, 12 if "12-point" in spec.fits else 8 if "square" in spec.fits else 6)
+
+
+def _hole_reach(spec: ToolSpec) -> float:
+    """How far that hole reaches from the axis."""
+    if "torx" in spec.fits:
+        return 0.5 * JAW_PLAY * spec.size
+    return spec.size / float(np.sqrt(2.0 if "square" in spec.fits else 3.0))
 
 
 def _bit(spec: ToolSpec) -> ToolShape:
@@ -138,7 +151,9 @@ def _bit(spec: ToolSpec) -> ToolShape:
 
 
 def _blade(spec: ToolSpec, high: float) -> Solid:
-    """A hexagon by width across flats, or a round blade."""
+    """A hexagon or a square by width across flats, or a round blade."""
+    if spec.size > 0.0 and "square socket" in spec.fits:
+        return prism(_rectangle(spec.size, spec.size), 0.0, high)
     if spec.size > 0.0:
         return lathed([flats(spec.size, z) for z in (0.0, high)])
     return lathed([disc(spec.length("blade") / 2, z) for z in (0.0, high)])

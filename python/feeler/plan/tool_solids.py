@@ -29,12 +29,19 @@ def inside(radius: float, z: float) -> Floats:
 
 
 def flats(across: float, z: float, corners: int = 6) -> Floats:
-    """A ring (AROUND, 3) on a hexagon, or on the star of two, by its width across flats; a flat faces y."""
+    """A ring (AROUND, 3) on a hexagon, or on the star of two (12), or of two squares (8), by its width across flats; a
+    flat faces y."""
     turn = _ANGLES - np.pi / 2.0
-    hexagon = 0.5 * across / np.cos((turn + np.pi / 6.0) % (np.pi / 3.0) - np.pi / 6.0)
-    other = 0.5 * across / np.cos(turn % (np.pi / 3.0) - np.pi / 6.0)
-    r = hexagon if corners == 6 else np.maximum(hexagon, other)
+    sides = 4 if corners == 8 else 6
+    first, second = (_on_sides(across, turn + shift, sides) for shift in (0.0, np.pi / sides))
+    r = first if corners == sides else np.maximum(first, second)
     return np.stack([r * np.cos(_ANGLES), r * np.sin(_ANGLES), np.full(AROUND, z)], axis=1)
+
+
+def _on_sides(across: float, turn: Floats, sides: int) -> Floats:
+    """Distances of a regular polygon from the middle, by its width across flats; one flat is at 0."""
+    half = np.pi / sides
+    return np.asarray(0.5 * across / np.cos((turn + half) % (2.0 * half) - half))
 
 
 def lathed(rings: Sequence[Floats], *, is_ring: bool = False) -> Solid:

@@ -44,7 +44,7 @@ TOOL_KINDS: Mapping[str, ToolKind] = {
     "open": ToolKind(("width", "thick", "length", "shaft"), ("hexagon", "square")),
     "hex_key": ToolKind(("short", "long"), ("hexagon socket",)),
     "screwdriver": ToolKind(("blade", "reach", "handle", "grip"), ("slot",), 60.0, 1.0),
-    "pliers": ToolKind(("width", "thick", "jaw", "length"), ("wings",), 30.0, 1.0),
+    "pliers": ToolKind(("width", "thick", "jaw", "length"), ("wings", "hand"), 30.0, 1.0),
 }
 HEADS = ("socket", "bit")
 """Kinds that a chain begins with, at the fastener."""
@@ -63,11 +63,12 @@ class ToolSpec:
     name: str
     """Its own in the catalogue, such as "socket 10"."""
     size: float
-    """Width across flats that it is for; of an extension its length; 0 for tools chosen by thread, and handles."""
+    """Width across flats, or across the points of an external Torx, that it is for; of an extension its length; 0 for
+    tools chosen by `widths` or thread, and handles."""
     fits: tuple[str, ...]
     """Drives of fasteners that it fits, as `Fastener.drive`."""
     threads: tuple[float, float] | None
-    """Diameters of threads that it is for, instead of a width."""
+    """Diameters of threads that it is for, where the mesh shows no width."""
     drive: float
     """Width of its square drive (ISO 1173); 0 without one."""
     swing_deg: float
@@ -76,6 +77,8 @@ class ToolSpec:
     """It is put on again at multiples of this angle: a ratchet's teeth, the flats of a hexagon."""
     lengths: tuple[tuple[str, float], ...]
     """Lengths of its shape, by name."""
+    widths: tuple[float, float] | None = None
+    """Widths of recesses that it enters without much play, as `Fastener.width`."""
 
     def length(self, name: str) -> float:
         """One of `lengths`, metres. Raises `OptionError` for a name that its kind does not have."""
@@ -83,16 +86,22 @@ class ToolSpec:
         return known[check_word("name", name, known)]
 
 
-def suits(spec: ToolSpec, drive: str, across_flats: float, thread: float) -> bool:
-    """Whether a tool fits a fastener by drive and size. A size that is not known (NaN) fits none but tools for all."""
+def suits(spec: ToolSpec, drive: str, width: float, thread: float) -> bool:
+    """Whether a tool fits a fastener by drive and size: `Fastener.width`, and the diameter of its thread.
+
+    The thread decides only if the width is not known (NaN), or if the tool says no widths. A size that is not known
+    fits none but tools for all.
+    """
     if drive not in spec.fits:
         return False
+    if spec.widths is not None and width > 0.0:
+        return spec.widths[0] <= width <= spec.widths[1]
     if spec.threads is not None:
         return spec.threads[0] <= thread <= spec.threads[1]
     if spec.size == 0.0:
-        return True
+        return spec.widths is None
     low, high = INSIDE if spec.kind in INNER else OUTSIDE
-    return low * spec.size <= across_flats <= high * spec.size
+    return low * spec.size <= width <= high * spec.size
 
 
 def depths_of(spec: ToolSpec, head: float) -> list[float]:

@@ -15,7 +15,8 @@ import numpy.typing as npt
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fastener_names import retainer_said
-from feeler.plan.fasteners import Fastener
+from feeler.plan.fastener_shape import rod_of
+from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
 from feeler.tasks.passing import LEVELS, around, in_bore, passed_by
 from feeler.tasks.retainers import Retained, pin_rod
@@ -44,10 +45,17 @@ EYE = 1.3
 """What is farther from its axis, in its radii, is a bent leg or its head."""
 ON_AXIS = 0.3
 """How far from the axis of a shank its nut may be, in its diameters."""
+LEGS = 0.6
+"""Bent legs and eyes are about in one plane: their spread across it, over that in it, at most. Round heads are not."""
+ROUND = 0.93
+"""The least width of a round rod across its axis, over its greatest."""
+ROD_SLENDER = 1.5
+"""Its least length, in diameters."""
 PLAY_M = 1e-4
 """It is drawn so much farther than out of what it is in."""
 MOST_TRIANGLES = 20_000
 _PIECES = 24
+_TURNS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +104,10 @@ def cotters_of(scene: Scene, rows: Sequence[Fastener], taken: set[int]) -> list[
             thread = look.thread(row, part)
             if thread is not None and look.fits(nut_shank(row, thread), part, shank):
                 found.setdefault(part, (nut_shank(row, thread), shank))
+    for row in look.rods({row.part for row, _ in found.values()}):
+        for part, shank in look.through(row):
+            if look.is_cotter(part, shank):
+                found.setdefault(part, (row, shank))
     # Of two pins one goes through the other: the smaller one.
     large = {part for part, (row, _) in found.items() if row.part in found and look.sizes[part] > look.sizes[row.part]}
     found = {part: each for part, each in found.items() if part not in large}
@@ -123,6 +135,37 @@ class _Look:
         for part in np.flatnonzero(self.is_free).tolist():
             if retainer_said(mockup.part_names[part]) == "pin" and mockup.part_triangles[part] >= 8:
                 yield pin_shank(self.scene, part, self.meshes.mesh(part)[0])
+
+    def rods(self, known: set[int]) -> Iterator[Fastener]:
+        """The other round rods, whatever their names are, that something thinner may go through."""
+        mockup = self.scene.mockup
+        for part in np.flatnonzero(self.is_free).tolist():
+            name = mockup.part_names[part]
+            if part in known or retainer_said(name) == "pin" or mockup.part_triangles[part] < 8:
+                continue
+            if not self._has_thin_neighbour(part):
+                continue
+            row = rod_shank(self.scene, part, *self.meshes.mesh(part))
+            if row is not None:
+                yield row
+
+    def _has_thin_neighbour(self, part: int) -> bool:
+        """Whether the box of a smaller part that may be a cotter pin reaches into that of a part."""
+        low, high = self.bounds[part]
+        near = self.is_free & (self.sizes < self.sizes[part]) & (self.sizes > 0.0)
+        near &= (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
+        near[part] = False
+        return bool(near.any())
+
+    def is_cotter(self, part: int, shank: Shank) -> bool:
+        """Whether a part in a hole across a rod is a cotter pin: its legs or its eye are bent, and if its name does not
+        say so, it is wide on both sides."""
+        vertices = self.meshes.mesh(part)[0]
+        heights, is_wide = shank.heights(vertices), shank.radii(vertices) > EYE * shank.radius
+        sides = [vertices[is_wide & (sign * heights > 0.0)] for sign in (1.0, -1.0)]
+        sides = [each for each in sides if len(each)]
+        is_said = retainer_said(self.scene.mockup.part_names[part]) == "pin"
+        return len(sides) >= (1 if is_said else 2) and any(_is_bent(each - shank.point, shank.axis) for each in sides)
 
     def bare_nuts(self, shanks: Sequence[Fastener]) -> list[Fastener]:
         """The nuts that are on no known shank, but on the thread of a part."""
@@ -184,9 +227,33 @@ class _Look:
             yield self.nuts[n].part, float(local[n, :, 2].max()), float(local[n, :, 2].min())
 
 
-def pin_shank(scene: Scene, part: int, vertices: Floats) -> Fastener:
-    """A pin as a shank, without its head: as wide as it is at most heights."""
-    row = pin_rod(scene.mockup.part_paths[part], part, vertices)
+def _is_bent(points: Floats, axis: Floats) -> bool:
+    """Whether points, from a point of an axis, are about in one plane through it: legs and eyes, and no round heads."""
+    across = points - (points @ axis)[:, None] * axis
+    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(across.T @ across)[1:], 0.0))
+    return bool(spread[0] <= LEGS * spread[1])
+
+
+def rod_shank(scene: Scene, part: int, vertices: Floats, faces: Ints) -> Fastener | None:
+    """A round rod as a shank, without its head; None for other shapes."""
+    looks = rod_of(vertices, faces)
+    if looks is None:
+        return None
+    frame = framed(looks.top, looks.axis)
+    local = (vertices - looks.top) @ frame[:3, :2]
+    turns = np.arange(_TURNS) * (np.pi / _TURNS)
+    along = local @ np.stack([np.cos(turns), np.sin(turns)])
+    wide = np.ptp(along, axis=0)
+    if wide.min() < ROUND * wide.max() or looks.length < ROD_SLENDER * float(wide.max()):
+        return None
+    path, size = scene.mockup.part_paths[part], float(wide.max())
+    row = Fastener(part, path, "stud", frame, size, np.nan, looks.length, np.nan, 1.0, "")
+    return pin_shank(scene, part, vertices, row)
+
+
+def pin_shank(scene: Scene, part: int, vertices: Floats, rod: Fastener | None = None) -> Fastener:
+    """A pin as a shank, without its head: as wide as it is at most heights. rod: if its axis is known."""
+    row = rod or pin_rod(scene.mockup.part_paths[part], part, vertices)
     far = 2.0 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     ways = around(row.frame)
     heights = -row.length * (np.arange(LEVELS) + 0.5) / LEVELS

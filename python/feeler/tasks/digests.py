@@ -23,7 +23,11 @@ def facts_of(row: Fastener | None) -> list[Any]:
     """What questions know of a fastener."""
     if row is None:
         return []
-    return [row.kind, row.drive, row.size, row.across_flats, row.length, row.head_height, row.frame.tolist()]
+    return [row.kind, row.drive, *_sizes_of(row), row.frame.tolist()]
+
+
+def _sizes_of(row: Fastener) -> list[float]:
+    return [row.size, row.across_flats, row.width, row.length, row.head_height]
 
 
 def short(data: bytes) -> str:

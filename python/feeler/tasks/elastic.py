@@ -13,7 +13,7 @@ from feeler.mockup import Tool
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, MOST_BLOCKERS, BlockingGraph, Mover
 from feeler.plan.sequence import Exit, undominated
 from feeler.scene import Scene
-from feeler.tasks.cotters import Drawing, drawings, nut_shank
+from feeler.tasks.cotters import Drawing, drawings, nut_shank, rod_shank
 from feeler.tasks.fixings import RINGS, Fixings
 from feeler.tasks.rings import Ring, Slip, Slipping, ring_of, slippings
 
@@ -73,6 +73,8 @@ class Rings:
         row = self.fixings.shank(anchor)
         on = None if row is not None or not nuts else self.fixings.of(nuts[0]).row
         row = row if on is None else nut_shank(on, anchor)
+        if row is None:
+            row = rod_shank(self.graph.question.scene, anchor, *self.graph.meshes.mesh(anchor))
         if row is None:
             return iter(())
         reach = 0.5 * row.size

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +36,8 @@ LOCKS = ("cotter", "pin", "dowel")
 """Kinds that keep a fastener that they go through from turning."""
 BEYOND = 1.02
 """How far a fastener is drawn, in lengths of its thread."""
+_ROUND_NUT = 1.3
+"""The width of a nut without flats, in diameters of its bore: rays into its bore begin there."""
 _BESIDE = 8
 """Rays around a hole that look for its edge."""
 _RIM = 1.05
@@ -171,13 +173,26 @@ class Fixings:
         if row.kind != "nut":
             return self._captive_in(row, hold, held)
         own = Tool.of_parts(self.scene.mockup, [part])
-        far = np.eye(4)
-        far[:3, 3] = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0])) * row.axis
-        for each in held:
-            alone = self.scene.only([each])
-            if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), far, touching="free") is not None:
-                return each
-        return None
+        return next((each for each in held if self._is_kept_on(row, own, each)), None)
+
+    def _is_kept_on(self, nut: Fastener, own: Tool, pipe: int) -> bool:
+        """Whether a nut cannot be drawn off a part in its bore: a bend of it is in the way, near the nut or far."""
+        alone = self.scene.only([pipe])
+        step = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0]))
+        if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), _along(nut, step), touching="free"):
+            return True
+        long = nut.length if math.isfinite(nut.length) else 0.0
+        end = float(((self._meshes.mesh(pipe)[0] - nut.frame[:3, 3]) @ nut.axis).max()) + long
+        if end <= step or not self._is_around(alone, nut, step):
+            return False
+        hit = alone.cast(own, _along(nut, step), _along(nut, end * BEYOND), touching="free")
+        return hit is not None and self._is_around(alone, nut, float(hit.pose[:3, 3] @ nut.axis))
+
+    def _is_around(self, alone: Scene, nut: Fastener, travel: float) -> bool:
+        """Whether a part is in the bore of a nut that was drawn along its axis: it cannot leave sideways there."""
+        wide = nut.across_flats if math.isfinite(nut.across_flats) else _ROUND_NUT * nut.size
+        drawn = replace(nut, frame=_along(nut, travel) @ nut.frame, across_flats=wide)
+        return bool(in_bore(alone, drawn, self._meshes))
 
     def _captive_in(self, row: Fastener, hold: Hold, held: list[int]) -> int | None:
         """What a screw whose thread is wider than a hole above it cannot be drawn out of, if it is out of its thread
@@ -283,6 +298,13 @@ class Fixings:
             nearest = min(fasteners, key=lambda part: (_distance(self._rows.get(part), middle), part))
             found.setdefault(nearest, []).append(washer)
         return found
+
+
+def _along(row: Fastener, travel: float) -> Floats:
+    """A motion (4, 4) of a fastener along its axis, metres."""
+    motion = np.eye(4)
+    motion[:3, 3] = travel * row.axis
+    return motion
 
 
 def _distance(row: Fastener | None, point: Floats) -> float:

@@ -20,7 +20,7 @@ svg { width: 100%; height: auto; font-size: 11px; } svg text { fill: currentColo
 .note { border-left: 4px solid #38f; padding: .4em .8em; background: #38f1; }
 table { border-collapse: collapse; width: 100%; }
 th, td { padding: .35em .6em; text-align: left; vertical-align: top; overflow-wrap: anywhere; }
-th { border-bottom: 2px solid var(--line); } td { border-bottom: 1px solid var(--soft); }
+th { border-bottom: 2px solid var(--line); overflow-wrap: normal; } td { border-bottom: 1px solid var(--soft); }
 .number { text-align: right; white-space: nowrap; }
 """
 _WIDTH, _NAMES, _ROW = 1000.0, 300.0, 18.0

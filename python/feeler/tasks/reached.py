@@ -254,7 +254,7 @@ class Reaching:
         """The digest of all of a catalogue that bears on a fastener."""
         assert self.catalogue is not None
         if row.part not in self._digests:
-            fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size)
+            fitting = self.catalogue.fitting(row.drive, row.across_flats, row.size, row.width)
             self._digests[row.part] = digest_of(fitting or list(self.catalogue))
         return self._digests[row.part]
 
@@ -267,7 +267,7 @@ class Reaching:
         if self.catalogue is not None:
             # The lower end of a tool is on the bearing face, in the recess, or above.
             deep = max(each for each in (row.head_height, row.length, row.size, 0.0) if math.isfinite(each))
-            for pieces in self.catalogue.fitting(row.drive, row.across_flats, row.size):
+            for pieces in self.catalogue.fitting(row.drive, row.across_flats, row.size, row.width):
                 if pieces not in self._extents:
                     self._extents[pieces] = _extent(tool_of(pieces))
                 yield _room(self._extents[pieces], row, -deep, deep, APPROACH_M)

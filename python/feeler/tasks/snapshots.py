@@ -282,7 +282,7 @@ def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Seque
     facts: list[Any] = []
     if row is not None:
         # Fasteners of one shape are aligned to one of them: another one changes their last bits.
-        sizes = (row.size, row.length, row.across_flats, row.head_height)
+        sizes = (row.size, row.length, row.width, row.head_height)
         frame = np.round(row.frame, _DECIMALS) + 0.0
         facts += [row.kind, row.drive, *(f"{each:.9g}" for each in sizes)]
         facts.append(hashlib.blake2b(np.ascontiguousarray(frame).tobytes(), digest_size=8).hexdigest())
