@@ -535,6 +535,7 @@ def drain_plug(shop: Workshop) -> None:
     asm.flush(plug, ring, rear)
     asm.fit(plug, ring, "clearance", 0.2, 7.2)
     asm.fit(plug, rear, "thread as helices", *standard.thread_play(asm.cut))
+    asm.keep(rear, "thread", plug)
     down = base[:3, 2]
     asm.step(plug, screw(down, base[:3, 3], 13.0, standard.PLUG_PITCH), pull(down, 60.0), door_open=True)
     asm.step(ring, pull(down, 60.0), after=[plug], door_open=True)

@@ -323,6 +323,7 @@ def speed_sensor(shop: Workshop, name: str, cover: str, face: Floats) -> str:
     path = asm.add(f"harness/{name}_sensor", "steel", sensor, pose=face, spin=True)
     asm.fit(path, cover, "thread as cylinders", CORE - THREAD, CORE)
     asm.flush(path, cover)
+    asm.keep(cover, "thread", path)
     asm.step(
         path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY), after=[f"harness/{name}_sensor_plug"]
     )
@@ -336,6 +337,7 @@ def blank(shop: Workshop, cover: str, face: Floats) -> str:
     path = asm.add(cover.replace("/cover", "/blanking_plug"), "zinc-plated steel", blanking_plug, pose=face, spin=True)
     asm.fit(path, cover, "thread as cylinders", CORE - THREAD, CORE)
     asm.flush(path, cover)
+    asm.keep(cover, "thread", path)
     asm.step(path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY))
     asm.fasten(path, "bolt", "socket", 15.0, times(face, at(z=7.0)), [path])
     return path

@@ -216,18 +216,9 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         )
         for path in step.parts:
             blocked[path] = by
-        steps.append(
-            Step(
-                many(step.parts),
-                legs,
-                many(after),
-                step.door_open,
-                step.rigid,
-                step.removes,
-                tuple(by),
-                step.spread * MM,
-            )
-        )
+        middle = (0.0, 0.0, 0.0) if step.rigid else _metres(asm.parts[step.parts[0]].pose[:3, 3])
+        moved, needs, wide = many(step.parts), many(after), step.spread * MM
+        steps.append(Step(moved, legs, needs, step.door_open, step.rigid, step.removes, tuple(by), wide, middle))
     plain_steps = tuple(steps)
     joints = tuple(
         Joint(
@@ -280,22 +271,29 @@ class Room:
 
     def __init__(self, meshes: dict[str, Mesh], steps: tuple[Step, ...], joints: tuple[Joint, ...]) -> None:
         self.meshes, self.steps = meshes, steps
+        pick = np.array([[k & 1, k >> 1 & 1, k >> 2 & 1] for k in range(8)], dtype=bool)
+        ends = {path: (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for path, mesh in meshes.items()}
+        self.boxes = {path: np.where(pick, high, low) for path, (low, high) in ends.items()}
+        """Corners (8, 3) by path."""
         self.door = next(joint for joint in joints if joint.name == "door")
 
     def swing(self, path: str, frame: Floats, top: Floats, boxes: tuple[tuple[Vector, Vector], ...]) -> float:
         """The largest swing on a fastener when its step begins. `frame`: the axes of the wrench on a seat, columns."""
         step = next(step for step in self.steps if path in step.parts)
         out = {each for earlier in steps_before(self.steps, step) if earlier.removes for each in earlier.parts}
-        reach = float(np.hypot(boxes[-1][1][0], boxes[0][1][1]))
+        low, high = np.array(boxes).min(axis=0)[0], np.array(boxes).max(axis=0)[1]
+        reach = float(np.hypot(high[0], high[1]))
         corners = []
         for other, mesh in self.meshes.items():
             if other in out or other == path:
                 continue
-            points = mesh.vertices
-            if step.door_open and other in self.door.parts:
-                points = turned_about(self.door, points)
-            gap = np.maximum(np.maximum(points.min(axis=0) - top, top - points.max(axis=0)), 0.0)
-            if float((gap * gap).sum()) < reach * reach:
+            is_turned = step.door_open and other in self.door.parts
+            box = turned_about(self.door, self.boxes[other]) if is_turned else self.boxes[other]
+            local = times(box - top, frame)
+            least, most = local.min(axis=0), local.max(axis=0)
+            gap = np.maximum(np.maximum(least, -most), 0.0)[:2]
+            if least[2] < high[2] and most[2] > low[2] and np.hypot(gap[0], gap[1]) < reach:
+                points = turned_about(self.door, mesh.vertices) if is_turned else mesh.vertices
                 corners.append(times(points - top, frame)[mesh.faces])
         swing = widest_swing(np.concatenate(corners), boxes) if corners else FULL
         return swing if swing == FULL else float(np.floor(swing / SWING_RAD)) * SWING_RAD

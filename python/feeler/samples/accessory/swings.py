@@ -8,7 +8,7 @@ two of them one test decides.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -114,16 +114,16 @@ def _arcs_around(corners: Floats, sides: Floats, low: Floats, high: Floats) -> t
     wide = np.ptp(corners[:, :, :2], axis=1).max(axis=1) > (high - low)[:2].min()
     corners, sides = corners[wide], sides[wide]
     middle = (low + high)[:2] / 2.0
-    events = _passed(sides.reshape(-1, 2, 2), middle).reshape(len(corners), -1)
+    events = _passed(sides.reshape(-1, 2, 2), middle).reshape(len(corners), 10)
 
     def inside(angle: Floats) -> Bools:
         turn = angle + np.arctan2(middle[1], middle[0])
         point = np.hypot(*middle) * np.stack([np.cos(turn), np.sin(turn)], axis=2)
-        a, b, c = (corners[:, None, k] for k in range(3))
+        a, b, c = (corners[:, None, k, :2] for k in range(3))
         area = _cross(b - a, c - a)
         with np.errstate(divide="ignore", invalid="ignore"):
             u, v, w = (_cross(q - p, point - p) / area for p, q in ((b, c), (c, a), (a, b)))
-        z = u * a[..., 2] + v * b[..., 2] + w * c[..., 2]
+            z = u * corners[:, None, 0, 2] + v * corners[:, None, 1, 2] + w * corners[:, None, 2, 2]
         return np.asarray((u > 0.0) & (v > 0.0) & (w > 0.0) & (z > low[2]) & (z < high[2]))
 
     return _arcs(events, inside)
@@ -141,11 +141,10 @@ def _passed(sides: Floats, point: Floats) -> Floats:
     return np.asarray(np.arctan2(onto[..., 1], onto[..., 0]) - np.arctan2(point[1], point[0]))
 
 
-def _arcs(events: Floats, meets: object) -> tuple[Floats, Floats]:
+def _arcs(events: Floats, meets: Callable[[Floats], Bools]) -> tuple[Floats, Floats]:
     """Arcs between neighbouring events (n, k), NaN for none, for which `meets` is true of their middles (n, k)."""
     starts = np.sort(np.where(np.isnan(events), 0.0, events % FULL), axis=1)
     ends = np.concatenate([starts[:, 1:], starts[:, :1] + FULL], axis=1)
-    assert callable(meets)
     chosen = meets((starts + ends) / 2.0) & (ends > starts)
     return starts[chosen], ends[chosen]
 

@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 from ...errors import OptionError
 
 Vector = tuple[float, float, float]
-SWING_RAD = 0.01
-"""The tolerance of the swings of open-end wrenches: half a degree."""
+SWING_RAD = 0.001
+"""The tolerance of the swings of open-end wrenches: 0.06 degrees."""
 STOP_RAD = 0.035
 """How far a joint's stop may be beyond its limit, at most: two degrees. With a larger value, limits say less about
 stops."""
@@ -81,8 +81,10 @@ class Step:
 
     Otherwise the legs are the path without these faults, and the parts do not come out."""
     spread_m: float = 0.0
-    """How far each point of a circlip is moved away from the ring's axis: enough to pass over its shaft. The axis is
-    that of the first leg, through the middle of the ring. 0 for rigid parts."""
+    """How far each point of a circlip is moved away from the ring's axis: enough to pass over its shaft. 0 for rigid
+    parts."""
+    spread_about_m: Vector = (0.0, 0.0, 0.0)
+    """A point on that axis, which has the direction of the first leg; zero for rigid parts."""
 
 
 @dataclass(frozen=True)
