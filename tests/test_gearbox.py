@@ -228,9 +228,9 @@ def test_something_holds_each_part(faults: tuple[str, ...]) -> None:
     broken = {path for fault in truth.faults for path in fault.parts}
     loose = ("bearing", "stop", "latch")  # a cage runs free, and stops are met at the end
     for keeper in truth.keepers:
-        for held in keeper.holds:
+        for held in keeper.holds if "input_drive/circlip" not in keeper.path else keeper.holds[:1]:  # then one behind
             touches = frozenset((keeper.path, held)) in fits or {keeper.path, held} & broken
-            assert touches or keeper.kind in loose or "lower" in held, (keeper, held)
+            assert touches or keeper.kind in loose, (keeper, held)
 
 
 def test_what_holds_what() -> None:
@@ -320,8 +320,9 @@ def test_wrenches_swing_as_far_as_feeler_finds(gearbox: Any) -> None:
         target = found[fastener.path]
         lift = float((np.array(fastener.top_m) - target.frame[:3, 3]) @ target.frame[:3, 2])
         scene = gearbox.scene.without(gearbox.out(step))
-        row = feeler.access(scene, boxes_of(fastener), feeler.Fasteners([target]), lift=lift, threads=1)[0]
-        assert 0.0 <= row.swing_deg - np.rad2deg(fastener.swing_rad) < 0.1, fastener.path
+        wrench, targets = boxes_of(fastener), feeler.Fasteners([target])
+        row = feeler.access(scene, wrench, targets, approach=0.05, lift=lift, threads=1)[0]
+        assert row.is_reachable and 0.0 <= row.swing_deg - np.rad2deg(fastener.swing_rad) < 0.1, fastener.path
 
 
 def test_the_swing_of_boxes() -> None:
@@ -679,7 +680,7 @@ def test_the_judge_of_blocked_steps_sees_what_is_not_so(monkeypatch: pytest.Monk
     monkeypatch.setattr("feeler.samples.accessory.assembly.Assembly.block", lambda *_: None)
     monkeypatch.setattr("feeler.samples.accessory.assembly.Assembly.stop_tool", lambda *_: None)
     wrong = judge.wrong_steps(0, [("no_way_out",)])
-    assert len(wrong) == 4 and "oil_filter/bowl is blocked" in wrong[0]
+    assert len(wrong) == 2 and "oil_filter/bowl is blocked" in wrong[0]
 
 
 def test_unknown_faults_and_other_samples() -> None:
