@@ -511,7 +511,9 @@ class Ways:
             ends = _moved(self.corners[path], place)
             away = np.maximum(np.maximum(ends.min(axis=0) - top, top - ends.max(axis=0)), 0)
             heights = (ends - top) @ z
-            is_level = heights.min() < np.max(corners, axis=(0, 1))[2] and heights.max() > np.min(corners, axis=(0, 1))[2]
+            is_level = (
+                heights.min() < np.max(corners, axis=(0, 1))[2] and heights.max() > np.min(corners, axis=(0, 1))[2]
+            )
             if path not in out and path != fastener.path and away @ away < reach * reach and is_level:
                 near.append((model, _at(place)))
 

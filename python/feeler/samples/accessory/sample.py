@@ -134,7 +134,8 @@ def _placed(part: Part, mesh: Mesh) -> Mesh:
 
 
 def _neighbours(triangles: int, seed: int) -> tuple[Assembly, Assembly]:
-    """The gearbox without faults at the finest level that does not exceed the triangles (or the coarsest), and at the next one."""
+    """The gearbox without faults at two neighbouring levels: the finest that does not exceed the triangles, or the
+    coarsest, and the next one."""
 
     @lru_cache
     def made(level: int) -> Assembly:

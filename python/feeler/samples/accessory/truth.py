@@ -260,11 +260,13 @@ class Truth:
     def holds(self, path: str) -> tuple[str, ...]:
         """The parts that hold a part: fasteners first, then `keepers`. Raises OptionError for an unknown path."""
         self._known(path)
-        rows = [*self.fasteners, *self.keepers]
-        return tuple(dict.fromkeys(row.path for row in rows if path in row.holds))
+        rows = [(row.path, row.holds) for row in (*self.fasteners, *self.keepers)]
+        return tuple(dict.fromkeys(holder for holder, held in rows if path in held))
 
     def way(self, path: str) -> tuple[Step, ...]:
-        """The steps, in order, that take a part out; empty for parts that stay (`stays` says why). The part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown path.
+        """The steps, in order, that take a part out; empty for parts that stay (`stays` says why).
+
+        The part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown path.
         """
         self._known(path)
         last = next((step for step in self.steps if step.removes and path in step.parts), None)
