@@ -260,7 +260,8 @@ class Truth:
     def holds(self, path: str) -> tuple[str, ...]:
         """The parts that hold a part: fasteners first, then `keepers`. Raises OptionError for an unknown path."""
         self._known(path)
-        rows = [(row.path, row.holds) for row in (*self.fasteners, *self.keepers)]
+        rows = [(fastener.path, fastener.holds) for fastener in self.fasteners]
+        rows += [(keeper.path, keeper.holds) for keeper in self.keepers]
         return tuple(dict.fromkeys(holder for holder, held in rows if path in held))
 
     def way(self, path: str) -> tuple[Step, ...]:
