@@ -210,8 +210,8 @@ def test_sample_lists_makes_and_writes(tmp_path: Path) -> None:
     faulty = run_json("sample", "gearbox", "--triangles", "80000", *planted, "--truth", truth)
     assert faulty["parts"] > 500
     assert [fault["name"] for fault in json.loads(truth.read_text())["faults"]] == ["floating", "inside", "mirrored"]
-    assert run_json("info", "sample:gearbox:80000:0:floating,inside")["parts"] == faulty["parts"]
-    assert run_json("info", "sample:gearbox:80000::floating")["parts"] == faulty["parts"] - 1
+    planted_here = run_json("info", "sample:gearbox:80000::floating,inside")["files"][0]
+    assert planted_here["parts"] == faulty["parts"] and planted_here["triangles"] == faulty["triangles"]
     assert "pipe_clash" in run("sample", "gearbox", "--triangles", "80000", "--fault", "rust", code=2).output
     assert run_json("sample", "wrench", "--fine")["triangles"] > 10_000
     assert run_json("sample", "differential", "--triangles", "10000", "--seed", "1")["triangles"] >= 9000
