@@ -218,7 +218,7 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         for path in step.parts:
             blocked[path] = by
         middle = (0.0, 0.0, 0.0) if step.rigid else _metres(asm.parts[step.parts[0]].pose[:3, 3])
-        moved, needs, wide = many(step.parts), many(after), step.spread * MM
+        moved, needs, wide = many(step.parts), many(after), round(step.spread * MM, 9)
         steps.append(Step(moved, legs, needs, step.door_open, step.rigid, step.removes, tuple(by), wide, middle))
     plain_steps = tuple(steps)
     joints = tuple(
@@ -297,7 +297,7 @@ class Room:
                 points = turned_about(self.door, mesh.vertices) if is_turned else mesh.vertices
                 corners.append(times(points - top, frame)[mesh.faces])
         swing = widest_swing(np.concatenate(corners), boxes) if corners else FULL
-        return swing if swing == FULL else float(np.floor(swing / SWING_RAD)) * SWING_RAD
+        return swing if swing == FULL else round(int(swing / SWING_RAD) * SWING_RAD, 6)
 
 
 def turned_about(joint: Joint, points: Floats) -> Floats:
