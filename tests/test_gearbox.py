@@ -335,7 +335,7 @@ def test_the_swing_of_boxes() -> None:
     assert widest_swing(np.stack([post, other]), box) == pytest.approx(1.5 * np.pi - 2.0 * half)
     plate = 1e3 * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]])
     assert widest_swing(plate[None], box) == 0.0
-    assert widest_swing(plate[None] + [0.0, 0.0, 1.1], box) == widest_swing(plate[:0, None], box) == 2.0 * np.pi
+    assert widest_swing(plate[None] + [0.0, 0.0, 1.1], box) == widest_swing(plate[None][:0], box) == 2.0 * np.pi
     tilted = np.array([[15.0, 0.0, 0.9], [15.0, -3.0, 5.0], [15.0, 3.0, 5.0]])
     assert 2.0 * half < 2.0 * np.pi - widest_swing(tilted[None], box) < 2.2 * half
 

@@ -45,7 +45,9 @@ def widest_swing(corners: Floats, boxes: Sequence[Box]) -> float:
 
     `corners`: of the triangles, (n, 3, 3). The seats are at multiples of `SEAT`. 0 if no seat is free.
     """
-    arcs = [arc for box in boxes for arc in _blocked(corners, box)]
+    ends = np.array(boxes)
+    near = corners[_near(corners, ends.min(axis=(0, 1)), ends.max(axis=(0, 1)))]
+    arcs = [arc for box in boxes for arc in _blocked(near, box)]
     if not arcs:
         return FULL
     starts, ends = (np.concatenate(each) for each in zip(*arcs, strict=True))
@@ -60,18 +62,21 @@ def widest_swing(corners: Floats, boxes: Sequence[Box]) -> float:
 def _blocked(corners: Floats, box: Box) -> list[tuple[Floats, Floats]]:
     """Starts (0 to a full turn) and ends of arcs in which a box meets triangles."""
     low, high = np.array(box)
-    flat = corners[:, :, :2]
-    reach = float(np.hypot(*np.maximum(np.abs(low), np.abs(high))[:2]))
-    gap = np.maximum(np.maximum(flat.min(axis=1), -flat.max(axis=1)), 0.0)
-    near = (corners[:, :, 2].min(axis=1) < high[2]) & (corners[:, :, 2].max(axis=1) > low[2])
-    near &= np.hypot(gap[:, 0], gap[:, 1]) < reach
     found = []
-    chosen = corners[near]
+    chosen = corners[_near(corners, low, high)]
     for begin in range(0, len(chosen), MANY):
         some = chosen[begin : begin + MANY]
         sides = _sides(some, float(low[2]), float(high[2]))
         found += [_arcs_of_sides(sides.reshape(-1, 2, 2), low, high), _arcs_around(some, sides, low, high)]
     return [arcs for arcs in found if len(arcs[0])]
+
+
+def _near(corners: Floats, low: Floats, high: Floats) -> Bools:
+    """Which triangles a box that turns about z may meet."""
+    least, most = (far(far(corners[:, 0], corners[:, 1]), corners[:, 2]) for far in (np.minimum, np.maximum))
+    gap = np.maximum(np.maximum(least, -most), 0.0)
+    reach = float(np.hypot(*np.maximum(np.abs(low), np.abs(high))[:2]))
+    return np.asarray((least[:, 2] < high[2]) & (most[:, 2] > low[2]) & (np.hypot(gap[:, 0], gap[:, 1]) < reach))
 
 
 def _sides(corners: Floats, low: float, high: float) -> Floats:
