@@ -30,7 +30,7 @@ from feeler.samples.accessory.faults import plant
 from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
-from feeler.samples.accessory.truth import STOP_RAD, steps_before
+from feeler.samples.accessory.truth import STOP_RAD, SWING_RAD, steps_before
 from feeler.samples.mesh import Mesh
 
 manifold3d = import_module("manifold3d")  # an extra, without type information
@@ -64,11 +64,11 @@ RULE_M = 5e-3
 
 PLANTS = (*((name,) for name in FAULTS), ("pipe_clash", "too_near", "no_way_out"), tuple(FAULTS))
 """Faults that are planted together when steps are judged."""
-WRENCH_REACH = 9.0
-"""Length of an open-end wrench, in flats."""
 TOOTH = float(2.0 * np.pi / 44.0)
 """About the pitch of the main shaft's gear, radians."""
-SWING_STEP = float(np.deg2rad(5.0))
+SWING_STEP = float(np.deg2rad(2.5))
+SWING_NOISE = float(np.deg2rad(0.1))
+"""How accurately the ends of swings are found."""
 
 
 @dataclass
@@ -296,8 +296,11 @@ class Ways:
 
     def __init__(self, drawn: Drawn) -> None:
         self.drawn, self.truth = drawn, drawn.truth
-        self.models = {path: bvh(mesh) for path, mesh in drawn.meshes.items()}
-        low, high = bounds(drawn.meshes)
+        meshes = dict(drawn.meshes)
+        self.models = {path: bvh(mesh) for path, mesh in meshes.items()}
+        for step in self.truth.steps:
+            meshes |= {} if step.rigid else {path: spread(meshes[path], step) for path in step.parts}
+        low, high = bounds(meshes)
         pick = np.array([[k & 1, k >> 1 & 1, k >> 2 & 1] for k in range(8)], dtype=bool)
         self.corners = dict(zip(drawn.meshes, np.where(pick[None], high[:, None], low[:, None]), strict=True))
         self.kinds = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits}
@@ -339,7 +342,7 @@ class Ways:
                     for k in np.flatnonzero(
                         ((low <= box.max(axis=0)) & (high >= box.min(axis=0))).all(axis=1)
                     ).tolist():
-                        if (path, others[k]) not in found and self._meet(path, here, others[k], places[k]):
+                        if (path, others[k]) not in found and self._meet(path, here, others[k], places[k], step):
                             found[path, others[k]] = (number, share)
             base = leg_pose(leg, 1.0) @ base
         return found
@@ -397,13 +400,17 @@ class Ways:
                     out.append(f"{joint.name} has no stop {side} its limits")
         return out
 
-    def _meet(self, a: str, a_pose: Floats, b: str, b_pose: Floats) -> bool:
+    def _meet(self, a: str, a_pose: Floats, b: str, b_pose: Floats, step: Step | None = None) -> bool:
+        meshes, model = [self.drawn.meshes[a], self.drawn.meshes[b]], self.models[a]
+        if step is not None and not step.rigid:
+            meshes[0] = spread(meshes[0], step)
+            model = bvh(meshes[0])
         result = coal.CollisionResult()
-        if not coal.collide(self.models[a], _at(a_pose), self.models[b], _at(b_pose), coal.CollisionRequest(), result):
+        if not coal.collide(model, _at(a_pose), self.models[b], _at(b_pose), coal.CollisionRequest(), result):
             return False
         if frozenset((a, b)) not in self.kinds:
             return True
-        shared = [manifold(moved_mesh(self.drawn.meshes[p], at)) for p, at in ((a, a_pose), (b, b_pose))]
+        shared = [manifold(moved_mesh(mesh, at)) for mesh, at in zip(meshes, (a_pose, b_pose), strict=True)]
         return bool((shared[0] ^ shared[1]).volume() > FLUSH_MM3)
 
     def superfluous(self, step: Step) -> list[str]:
@@ -442,7 +449,7 @@ class Ways:
 
     def stopped(self, fastener: Fastener, step: Step) -> bool:
         """Whether the tool of a fastener turns less far than the truth says, after the needs of a step are out."""
-        return self.turns(fastener, step) < fastener.swing_rad
+        return self.turns(fastener, step) < fastener.swing_rad - SWING_NOISE
 
     def turns(self, fastener: Fastener, step: Step | None = None) -> float:
         """How far the tool of a fastener turns, radians: a socket or key in full or not at all."""
@@ -450,11 +457,20 @@ class Ways:
             return self.swing(fastener, step)
         return 0.0 if self.in_the_way(fastener, step) else 2.0 * np.pi
 
+    def wrong_swing(self, fastener: Fastener) -> str:
+        """What is wrong with the swing of a fastener, as a message; of a socket or key also what is in its way."""
+        free = self.turns(fastener)
+        if abs(free - fastener.swing_rad) <= SWING_NOISE + SWING_RAD:
+            return ""
+        said = f"{np.rad2deg(free):.1f}, not {np.rad2deg(fastener.swing_rad):.1f} degrees"
+        met = "" if fastener.tool == "open-end wrench" else f"; it meets {self.in_the_way(fastener)}"
+        return f"the tool on {fastener.path} swings {said}{met}"
+
     def in_the_way(self, fastener: Fastener, step: Step | None = None) -> list[str]:
         """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
         step = step or next(step for step in self.truth.steps if fastener.path in step.parts)
         out = {path for earlier in steps_before(self.truth.steps, step) if earlier.removes for path in earlier.parts}
-        radius, length = tool_of(fastener)
+        radius, length = fastener.tool_width_m / 2.0, fastener.tool_length_m - 2e-4
         z = np.array(fastener.axis)
         x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
         x /= np.sqrt(x @ x)
@@ -477,7 +493,7 @@ class Ways:
     def swing(self, fastener: Fastener, step: Step | None = None) -> float:
         """The largest swing (radians) of an open-end wrench that is put on a fastener's flats, as far as it is free.
 
-        Counter-clockwise, which loosens, after what goes before is out. What the fastener holds does not turn.
+        After what goes before is out. What the fastener holds does not turn. Sampled; the ends by bisection.
         """
         step = step or next(step for step in self.truth.steps if fastener.path in step.parts)
         out = {path for earlier in steps_before(self.truth.steps, step) if earlier.removes for path in earlier.parts}
@@ -486,55 +502,59 @@ class Ways:
         arms -= np.outer(arms @ z, z)
         x = arms[int(np.argmax((arms * arms).sum(axis=1)))]  # a corner of the hexagon; the handle goes there
         x /= np.sqrt(x @ x)
-        boxes = [(coal.Box(*(high - low)), (low + high) / 2.0) for low, high in wrench(fastener.size_m)]
-        reach = WRENCH_REACH * fastener.size_m
+        corners = [np.array(box) for box in fastener.tool_boxes_m]
+        boxes = [(coal.Box(*(high - low)), (low + high) / 2.0) for low, high in corners]
+        reach = float(np.hypot(*np.abs(corners).max(axis=(0, 1))[:2]))
         near = []
         for path, model in self.models.items():
-            away = np.maximum(np.maximum(self.corners[path].min(axis=0) - top, top - self.corners[path].max(axis=0)), 0)
-            if path not in out and path != fastener.path and away @ away < reach * reach:
-                place = self.opened if step.door_open and path in self.door else np.eye(4)
+            place = self.opened if step.door_open and path in self.door else np.eye(4)
+            ends = _moved(self.corners[path], place)
+            away = np.maximum(np.maximum(ends.min(axis=0) - top, top - ends.max(axis=0)), 0)
+            heights = (ends - top) @ z
+            is_level = (
+                heights.min() < np.max(corners, axis=(0, 1))[2] and heights.max() > np.min(corners, axis=(0, 1))[2]
+            )
+            if path not in out and path != fastener.path and away @ away < reach * reach and is_level:
                 near.append((model, _at(place)))
-        count = round(2.0 * np.pi / SWING_STEP)
-        free = []
-        for k in range(count):
-            turn = leg_pose(Leg("turn", fastener.axis, (0.0, 0.0, 0.0), 0.0, k * SWING_STEP), 1.0)[:3, :3]
+
+        def is_free(angle: float) -> bool:
+            turn = leg_pose(Leg("turn", fastener.axis, (0.0, 0.0, 0.0), 0.0, angle), 1.0)[:3, :3]
             pose = np.eye(4)
             pose[:3, :3] = turn @ np.stack([x, np.cross(z, x), z], axis=1)
-            met = False
             for box, centre in boxes:
                 pose[:3, 3] = top + pose[:3, :3] @ centre
                 at = _at(pose)
-                met = met or any(
-                    coal.collide(model, place, box, at, coal.CollisionRequest(), coal.CollisionResult())
-                    for model, place in near
-                )
-            free.append(not met)
+                for model, place in near:
+                    if coal.collide(model, place, box, at, coal.CollisionRequest(), coal.CollisionResult()):
+                        return False
+            return True
+
+        def end(free: float, blocked: float) -> float:
+            while abs(free - blocked) > SWING_NOISE / 2.0:
+                middle = (free + blocked) / 2.0
+                free, blocked = (middle, blocked) if is_free(middle) else (free, middle)
+            return free
+
+        count = round(2.0 * np.pi / SWING_STEP)
+        free = [is_free(k * SWING_STEP) for k in range(count)]
         if all(free):
             return 2.0 * np.pi
-        runs = []
-        for k in range(0, count, count // 6):  # where the flats let it on
-            run = next(n for n in range(count) if not free[(k + n) % count])
-            runs.append(max(0, run - 1) * SWING_STEP)
-        return float(max(runs))
+        swings = [0.0]
+        for k in range(0, count, count // 6):  # where it goes on the flats
+            if free[k]:
+                after = next(n for n in range(count) if not free[(k + n) % count])
+                before = next(n for n in range(count) if not free[(k - n) % count])
+                last = end((k + after - 1) * SWING_STEP, (k + after) * SWING_STEP)
+                swings.append(last - end((k - before + 1) * SWING_STEP, (k - before) * SWING_STEP))
+        return float(max(swings))
 
 
-def wrench(flats: float) -> list[tuple[Floats, Floats]]:
-    """Boxes (low, high) of an open-end wrench whose top is at z = 0, its handle along x; sizes about as DIN 3110."""
-    inside, outside, thick = 0.51 * flats, 1.08 * flats, 0.38 * flats
-    boxes = [
-        ((-0.35 * flats, inside, -thick), (0.95 * flats, outside, 0.0)),
-        ((-0.35 * flats, -outside, -thick), (0.95 * flats, -inside, 0.0)),
-        ((0.61 * flats, -outside, -thick), (0.95 * flats, outside, 0.0)),
-        ((0.95 * flats, -0.45 * flats, -0.9 * thick), (WRENCH_REACH * flats, 0.45 * flats, -0.1 * thick)),
-    ]
-    return [(np.array(low), np.array(high)) for low, high in boxes]
-
-
-def tool_of(fastener: Fastener) -> tuple[float, float]:
-    """Outer radius and length of a socket or a hexagon key, metres."""
-    if fastener.tool == "hex key":
-        return fastener.size_m * 0.6, 40e-3
-    return fastener.size_m * 0.64 + 0.7e-3, 55e-3
+def spread(mesh: Mesh, step: Step) -> Mesh:
+    """A circlip as its step spreads it: all its points move away from its axis."""
+    axis, off = np.array(step.legs[0].axis), mesh.vertices - np.array(step.spread_about_m)
+    across = off - np.outer(off @ axis, axis)
+    radius = np.sqrt((across * across).sum(axis=1))[:, None]
+    return Mesh(mesh.vertices + across * (step.spread_m / radius), mesh.faces)
 
 
 def moved_mesh(mesh: Mesh, pose: Floats) -> Mesh:
@@ -602,18 +622,15 @@ def wrong_steps(seed: int, plants: Iterable[tuple[str, ...]] = PLANTS) -> list[s
     for names in plants:
         ways = Ways(eased(seed, faults=names))
         new = changed(ways.drawn, clean)
-        for step in [step for step in ways.truth.steps if step.rigid]:
+        for step in ways.truth.steps:
             found = ways.blocked(step, () if new & set(step.parts) else new)
             if found and not step.blocked_by:
                 out.append(f"faults {names}: {step.parts[0]} is blocked by {found}")
             elif step.blocked_by and not found and not any(s.blocked_by for s in ways.truth.needed(step)):
                 out.append(f"faults {names}: nothing blocks {step.parts[0]}")
         for fastener in ways.truth.fasteners:
-            free = ways.turns(fastener)
-            stuck = next(step for step in ways.truth.steps if fastener.path in step.parts).blocked_by
-            if free < fastener.swing_rad or (fastener.swing_rad == 0.0 and free == 2.0 * np.pi and not stuck):
-                said = f"{np.rad2deg(free):.0f}, not {np.rad2deg(fastener.swing_rad):.0f} degrees"
-                out.append(f"faults {names}: the tool on {fastener.path} swings {said}")
+            if wrong := ways.wrong_swing(fastener):
+                out.append(f"faults {names}: {wrong}")
     return out
 
 
@@ -691,17 +708,13 @@ def main(seeds: list[int]) -> int:
         ways = Ways(faultless(seed))
         wrong += ways.wrong_joints()
         for step in ways.truth.steps:
-            if step.rigid and (found := ways.blocked(step)):
+            if found := ways.blocked(step):
                 wrong.append(f"{step.parts[0]} is blocked by {found}")
-            if step.rigid and step.removes and (idle := ways.superfluous(step)):
+            if step.removes and (idle := ways.superfluous(step)):
                 wrong.append(f"{step.parts[0]} waits for {idle} without need")
         for fastener in ways.truth.fasteners:
-            if fastener.tool == "open-end wrench":
-                free = ways.swing(fastener)
-                print(f"  {fastener.path}: {np.rad2deg(free):.0f} of {np.rad2deg(fastener.swing_rad):.0f} degrees")
-                wrong += [f"a wrench on {fastener.path} has no swing"] if free < fastener.swing_rad else []
-            elif met := ways.in_the_way(fastener):
-                wrong.append(f"the tool on {fastener.path} meets {met}")
+            if wrong_one := ways.wrong_swing(fastener):
+                wrong.append(wrong_one)
         print(f"  {len(ways.truth.steps)} steps, {time.perf_counter() - start:.0f} s")
     print("\n".join(wrong) or "nothing is wrong")
     return len(wrong)

@@ -206,9 +206,12 @@ def test_sample_lists_makes_and_writes(tmp_path: Path) -> None:
         run_json("info", tmp_path / "wrench.stl")["files"][0]["extent"], tool["extent"], rtol=1e-6
     )
     truth = tmp_path / "truth.json"
-    faulty = run_json("sample", "gearbox", "--triangles", "80000", "--fault", "floating", "--truth", truth)
+    planted = ("--fault", "floating,inside", "--fault", "mirrored")
+    faulty = run_json("sample", "gearbox", "--triangles", "80000", *planted, "--truth", truth)
     assert faulty["parts"] > 500
-    assert json.loads(truth.read_text())["faults"][0]["name"] == "floating"
+    assert [fault["name"] for fault in json.loads(truth.read_text())["faults"]] == ["floating", "inside", "mirrored"]
+    planted_here = run_json("info", "sample:gearbox:80000::floating,inside")["files"][0]
+    assert planted_here["parts"] == faulty["parts"] and planted_here["triangles"] == faulty["triangles"]
     assert "pipe_clash" in run("sample", "gearbox", "--triangles", "80000", "--fault", "rust", code=2).output
     assert run_json("sample", "wrench", "--fine")["triangles"] > 10_000
     assert run_json("sample", "differential", "--triangles", "10000", "--seed", "1")["triangles"] >= 9000
@@ -266,6 +269,9 @@ def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> Non
     assert "sample" in error_of("collide", stand, "sample:engine", *tool, *at)
     assert "sample:NAME" in error_of("collide", "sample:", *tool, *at)
     assert "whole number" in error_of("collide", "sample:engine:many", *tool, *at)
+    assert "duplicate" in error_of("collide", "sample:gearbox:45000:0:rust", *tool, *at)
+    assert "no faults to plant" in error_of("collide", "sample:engine:20000:0:inside", *tool, *at)
+    assert "sample:NAME" in error_of("collide", "sample:gearbox:45000:0:inside:1", *tool, *at)
     assert "fine" in error_of("collide", stand, "--tool", "sample:wrench:coarse", *at)
     assert "spoon" in error_of("collide", stand, "--tool", "sample:spoon", *at)
     assert "spaceship" in error_of("sample", "spaceship")

@@ -52,8 +52,8 @@ MADE_BY_FEELER = {
     haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
     clashes.BcfChanges, clashes.Comment, clashes.Topic,
     clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
-    feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint, samples.Leg,
-    samples.Step, samples.Truth, io.MeshLike, picture.Hits,
+    feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint,
+    samples.Keeper, samples.Leg, samples.Stay, samples.Step, samples.Truth, io.MeshLike, picture.Hits,
 }  # fmt: skip
 """Classes of results: users get their objects and do not make them. Their methods are swept."""
 URDF = '<robot name="r"><link name="l"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>'

@@ -245,13 +245,11 @@ def test_the_gearbox_knows_what_its_fasteners_hold(seed: int) -> None:
         washers = tuple(mockup.part_paths[part] for part in row.washers)
         held = [path for path in row.paths if not (washers and path == fastener.path)]  # a plug, for its washer
         assert set(held or washers) == set(fastener.holds), (fastener.path, row.because)
-    # Rings and pins, whose truth is that of the steps: what the ring holds comes out after it.
-    after = {step.parts[0]: step.after for step in truth.steps}
-    rings = [row for row in found if row.kind == "circlip" and row.path in after and "gear_train" in row.path]
-    assert rings
+    kept = {keeper.path: keeper for keeper in truth.keepers if keeper.kind in ("circlip", "dowel", "hinge")}
+    rings = [row for row in found if row.kind in ("circlip", "dowel") and "input_drive" not in row.path]
+    assert len(rings) == 10
     for row in rings:
-        for path in row.paths:
-            assert row.path in after.get(path, (row.path,)), (row.path, path)
+        assert set(row.paths) == set(kept[row.path].holds), row.path
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.0005, 0.005])

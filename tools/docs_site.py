@@ -125,7 +125,20 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
                 f"samples.{name}"
                 for name in (
                     *("sample_names", "sample_tool_names"),
-                    *("Truth", "Body", "Joint", "Fit", "Fastener", "Fault", "Step", "Leg", "FAULTS"),
+                    *(
+                        "Truth",
+                        "Body",
+                        "Joint",
+                        "Fit",
+                        "Fastener",
+                        "Fault",
+                        "Step",
+                        "Leg",
+                        "Keeper",
+                        "Stay",
+                        "FAULTS",
+                        "KEEPS",
+                    ),
                 )
             ),
         ],

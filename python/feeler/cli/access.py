@@ -57,7 +57,8 @@ def access(
         list[str] | None,
         typer.Argument(
             metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]].",
+            help="Files or folders (several are one mock-up), a saved scene, or "
+            "sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
         ),
     ] = None,
     *,

@@ -32,7 +32,7 @@ def bench(
         list[str] | None,
         typer.Argument(
             metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]].",
+            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
             show_default="sample:engine:100000",
         ),
     ] = None,

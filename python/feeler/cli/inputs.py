@@ -16,7 +16,7 @@ import typer
 
 import feeler
 from feeler.arguments import check_word
-from feeler.choices import SAMPLE_NAMES, SAMPLE_TOOL_NAMES
+from feeler.choices import FAULT_NAMES, SAMPLE_NAMES, SAMPLE_TOOL_NAMES, Fault
 from feeler.cli.outputs import warn
 from feeler.cli.values import (
     LENGTH,
@@ -45,14 +45,14 @@ MockupFiles = Annotated[
     list[str],
     typer.Argument(
         metavar="MOCKUP",
-        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]].",
+        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
     ),
 ]
 MockupFilesOrSample = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="[MOCKUP]...",
-        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]] "
+        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED[:FAULTS]]] "
         "(sample:engine).",
     ),
 ]
@@ -260,18 +260,20 @@ def read_mockup(
     chord_tolerance: float | None = None,
     also: Progress | None = None,
 ) -> feeler.Mockup:
-    """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`.
+    """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED[:FAULTS]]]`,
+    whose faults are names with commas between them; an empty word is the default.
 
     also: a second receiver of the progress.
     """
     if any(source.startswith(_SAMPLE) for source in sources):
         if len(sources) > 1:
             raise OptionError(f"{', '.join(sources)}: a sample cannot be combined with other input")
-        name, triangles, seed = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0"))
+        name, triangles, seed, faults = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0", ""))
         count, arrangement = _whole(triangles, "triangles", sources[0]), _whole(seed, "seed", sources[0])
         sample = check_word("the sample", name, SAMPLE_NAMES)
+        planted = faults_of([faults], "the fault")
         with telling(f"making {name}", also) as progress:
-            return feeler.sample(sample, count, seed=arrangement, progress=progress)
+            return feeler.sample(sample, count, seed=arrangement, faults=planted, progress=progress)
     with telling("loading mock-up", also) as progress:
         given = sources if len(sources) > 1 else sources[0]
         mockup = feeler.load_mockup(
@@ -281,6 +283,11 @@ def read_mockup(
         shown = ", ".join(mockup.part_paths[part] for part in absent[:3]) + (", ..." if len(absent) > 3 else "")
         warn(f"the scene was saved without {len(absent):,} of its parts, which are there again: {shown}")
     return mockup
+
+
+def faults_of(words: list[str], what: str) -> list[Fault]:
+    """The faults that words name, with commas between them. Raises `OptionError` for unknown ones."""
+    return [check_word(what, name.strip(), FAULT_NAMES) for word in words for name in word.split(",") if name.strip()]
 
 
 def read_tool(source: str, unit: str | None = None, up: str | None = None) -> feeler.Tool:
@@ -397,9 +404,10 @@ def _sample_words(source: str, defaults: tuple[str, ...]) -> list[str]:
     words = source[len(_SAMPLE) :].split(":")
     if not words[0] or len(words) > len(defaults):
         raise OptionError(
-            f"{source}: expected sample:NAME[:TRIANGLES[:SEED]] for a mock-up, sample:NAME[:fine] for a tool"
+            f"{source}: expected sample:NAME[:TRIANGLES[:SEED[:FAULTS]]] for a mock-up, sample:NAME[:fine] for a tool"
         )
-    return words + list(defaults[len(words) :])
+    words += [""] * (len(defaults) - len(words))
+    return [word or default for word, default in zip(words, defaults, strict=True)]
 
 
 def _whole(text: str, what: str, source: str) -> int:

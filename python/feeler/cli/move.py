@@ -21,7 +21,7 @@ Files = Annotated[
     list[str],
     typer.Argument(
         metavar="MOCKUP",
-        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]]. "
+        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED[:FAULTS]]]. "
         "A robot (URDF) brings its joints; the other files stand around it.",
     ),
 ]

@@ -39,7 +39,8 @@ def opening(
         list[str] | None,
         typer.Argument(
             metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]].",
+            help="Files or folders (several are one mock-up), a saved scene, or "
+            "sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
         ),
     ] = None,
     *,

@@ -11,7 +11,7 @@ import feeler
 from feeler.arguments import check_word
 from feeler.choices import FAULT_NAMES
 from feeler.cli.app import command
-from feeler.cli.inputs import AsJson
+from feeler.cli.inputs import AsJson, faults_of
 from feeler.cli.values import COUNT, SEED
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -22,7 +22,7 @@ from feeler.progress import bar
 feeler sample
 feeler sample engine --triangles 1600000 --out engine.glb
 feeler sample gearbox --out gearbox.glb --truth gearbox.json
-feeler sample gearbox --fault pipe_clash --fault blocked_bolt --out faulty.glb
+feeler sample gearbox --fault pipe_clash,blocked_bolt --out faulty.glb
 feeler sample wrench --fine --out wrench.stl
 """
 )
@@ -35,7 +35,11 @@ def sample(
     fine: Annotated[bool, typer.Option("--fine", help="A tool of about 50 thousand triangles.")] = False,
     fault: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Plant a fault in the gearbox; repeat for more. An unknown one lists all."),
+        typer.Option(
+            metavar="NAME,...",
+            help=f"Plant faults in the gearbox: {', '.join(FAULT_NAMES)}. In other commands: "
+            "sample:gearbox:TRIANGLES:SEED:NAME,...",
+        ),
     ] = None,
     truth: Annotated[
         Path | None, typer.Option(help="Write the known facts of the gearbox: fits, removal order, tools (JSON).")
@@ -59,7 +63,7 @@ def sample(
         return
     if name not in mockups and name not in tools:
         raise OptionError(f"no sample is called {name!r}; mock-ups: {', '.join(mockups)}; tools: {', '.join(tools)}")
-    faults = [check_word("--fault", each, FAULT_NAMES) for each in fault or ()]
+    faults = faults_of(fault or [], "--fault")
     if out is not None:
         outputs.check_mesh_target(out)
     mesh: Any

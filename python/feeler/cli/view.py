@@ -76,8 +76,8 @@ def view(
         list[str] | None,
         typer.Argument(
             metavar="[MOCKUP]...",
-            help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED]] "
-            "(sample:gearbox).",
+            help="Files or folders (several are one mock-up), a saved scene, or "
+            "sample:NAME[:TRIANGLES[:SEED[:FAULTS]]] (sample:gearbox).",
         ),
     ] = None,
     *,

@@ -1,6 +1,6 @@
 """Built-in mock-ups and tools: deterministic, CAD-like, at any size; and poses and motions among them."""
 
-from .accessory import FAULTS, Body, Fastener, Fault, Fit, Joint, Leg, Step, Truth
+from .accessory import FAULTS, KEEPS, Body, Fastener, Fault, Fit, Joint, Keeper, Leg, Stay, Step, Truth
 from .mockups import sample, sample_names, sample_truth
 from .motion import sample_path
 from .poses import sample_poses
@@ -8,12 +8,15 @@ from .tools import sample_tool, sample_tool_names
 
 __all__ = [
     "FAULTS",
+    "KEEPS",
     "Body",
     "Fastener",
     "Fault",
     "Fit",
     "Joint",
+    "Keeper",
     "Leg",
+    "Stay",
     "Step",
     "Truth",
     "sample",

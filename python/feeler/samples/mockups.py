@@ -51,7 +51,8 @@ def sample(
     `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
     from about 40 thousand to 4 million); the result is within 10 % (mostly 1 %) of it, never above. The number of parts
     grows with its square root, except for the gearbox. `seed`: another arrangement of pipes, cables, boxes; for the
-    gearbox other teeth and places. `faults`: to plant in the gearbox, names of `feeler.samples.FAULTS`.
+    gearbox other teeth and places. `faults`: to plant in the gearbox, names of `feeler.samples.FAULTS`; the parts that
+    they add come on top of `triangles`, and all others stay the same.
     `progress(fraction, stage)` is called from time to time.
 
     Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. The sample "gearbox" stands
@@ -96,8 +97,8 @@ def sample_names() -> tuple[SampleName, ...]:
 def sample_truth(
     name: SampleName, triangles: int = 1_600_000, seed: int = 0, *, faults: Iterable[Fault] = ()
 ) -> accessory.Truth:
-    """The known facts of the sample "gearbox" with the same arguments: fits, removal paths, tools, joints, masses,
-    faults.
+    """The known facts of the sample "gearbox" with the same arguments: fits, removal paths, what holds what, tools,
+    joints, masses, faults.
 
     `.to_json()` gives them as JSON. Other samples have none: their parts overlap by chance.
 

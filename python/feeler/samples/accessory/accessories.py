@@ -146,6 +146,9 @@ def input_drive(shop: Workshop) -> None:
         asm.fit(parts[0], shaft, "nominal/k6", play("nominal/k6", 17.0), 8.5)
         asm.fit(parts[1], cartridge, "H7/nominal", play("H7/nominal", 40.0), 20.0)
         asm.flush(parts[1], cartridge)
+        asm.keep(parts[0], "bearing", shaft)
+        asm.keep(shaft, "press", parts[0])
+        asm.keep(cartridge, "bearing", parts[1])
         unit += parts
     lower, upper = f"{group}/lower_bearing/inner_ring", f"{group}/upper_bearing/inner_ring"
     sleeve = asm.add(
@@ -171,6 +174,9 @@ def input_drive(shop: Workshop) -> None:
     asm.flush(shaft, lower, sleeve, upper, clip)
     asm.fit(sleeve, shaft, "clearance", 8.6 - journal, 8.6)
     asm.flush(clip, shaft)
+    asm.keep(clip, "circlip", upper, sleeve, lower)
+    asm.keep(shaft, "groove", clip)
+    asm.keep(cartridge, "press", lip)
     asm.fit(lip, cartridge, "H7/p6", play("H7/p6", 40.0), 20.0)
     asm.fit(lip, shaft, "seal lip", -0.2, 8.0)
     bolts = []
@@ -250,6 +256,7 @@ def accessory(
     shaft = f"{TRAIN}{s.name}_shaft/shaft"
     asm.fit(drive, shaft, "spline", train.SPLINE_PLAY)
     asm.fit(drive, body, "H7/g6", play("H7/g6", 16.0), bore)
+    asm.keep(body, "captive", drive)
     held = [body, seal]
     fasteners: list[str] = []
     for k, (x, y) in enumerate(places):
@@ -329,6 +336,8 @@ def starter(shop: Workshop) -> None:
     asm.fit(stud, nut, "thread as cylinders", thread, m.core / 2.0)
     asm.fit(stud, ring, "clearance", 0.2, m.washer_bore / 2.0)
     asm.flush(nut, ring, body)
+    asm.keep(body, "thread", stud)
+    asm.keep(stud, "thread", nut)
     axis = (0.0, 0.0, 1.0)
     asm.wait(body, stud, ring)
     asm.step(nut, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY))
@@ -480,12 +489,14 @@ def oil_filter(shop: Workshop) -> None:
     asm.flush(head, seal, rear)
     bowl = asm.add(f"{group}/bowl", "painted aluminium", filter_bowl, pose=pose)
     asm.fit(bowl, head, "bayonet", 0.1, THROAT)
+    asm.keep(head, "bayonet", bowl)
     ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, times(pose, at(z=25.2)), bowl, head)
     element = asm.add(
         f"{group}/element", "filter paper", standard.ring_of,
         ((7.0, 26.0), (13.8, 26.0), (13.8, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
+    asm.keep(bowl, "captive", element)
     down = (0.0, -1.0, 0.0)
     limits = -BAYONET - BAYONET_STOPS[0], BAYONET_STOPS[1]
     asm.joint("filter_bowl", [bowl, ring, element], down, pose[:3, 3], limits)
@@ -524,6 +535,7 @@ def drain_plug(shop: Workshop) -> None:
     asm.flush(plug, ring, rear)
     asm.fit(plug, ring, "clearance", 0.2, 7.2)
     asm.fit(plug, rear, "thread as helices", *standard.thread_play(asm.cut))
+    asm.keep(rear, "thread", plug)
     down = base[:3, 2]
     asm.step(plug, screw(down, base[:3, 3], 13.0, standard.PLUG_PITCH), pull(down, 60.0), door_open=True)
     asm.step(ring, pull(down, 60.0), after=[plug], door_open=True)

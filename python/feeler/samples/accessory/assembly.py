@@ -110,6 +110,8 @@ class Step:
     removes: bool
     blocked_by: list[str] = field(default_factory=list)
     """Names of the faults that block it directly."""
+    spread: float = 0.0
+    """How far a circlip is opened, millimetres."""
 
 
 @dataclass(eq=False)
@@ -122,7 +124,8 @@ class Fastener:
     size: float
     frame: Floats
     holds: list[str]
-    swing: float = 2.0 * np.pi
+    is_stopped: bool = False
+    """A fault is in the way of a socket or key."""
 
 
 @dataclass
@@ -162,6 +165,10 @@ class Assembly:
     steps: list[Step] = field(default_factory=list)
     fasteners: list[Fastener] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)
+    keepers: list[tuple[str, str, list[str]]] = field(default_factory=list)
+    """Parts that keep others without a tool: path, kind, the others."""
+    stays: dict[str, str] = field(default_factory=dict)
+    """Why parts without a step stay."""
     planted: list[Planted] = field(default_factory=list)
     lines: list[tuple[str, Floats, float, float]] = field(default_factory=list)
     """Pipes and cables: path, corners (k, 3) of the middle line, radius, radius of the bends."""
@@ -223,15 +230,26 @@ class Assembly:
         *legs: Leg,
         after: Iterable[str] = (),
         door_open: bool = False,
-        rigid: bool = True,
         removes: bool = True,
+        spread: float = 0.0,
     ) -> None:
         """Names a step of taking apart: the parts that come out, how, and after which others (paths or patterns).
 
-        `rigid=False`: the parts must be bent to come out. `removes=False`: they are only loosened.
+        `removes=False`: they are only loosened. `spread`: how far a circlip is opened.
         """
         moved = [parts] if isinstance(parts, str) else list(parts)
-        self.steps.append(Step(moved, list(legs), list(after), door_open, rigid, removes))
+        self.steps.append(Step(moved, list(legs), list(after), door_open, spread == 0.0, removes, spread=spread))
+
+    def keep(self, keeper: str, kind: str, *parts: str) -> None:
+        """Names parts that a part keeps in place; see `feeler.samples.accessory.truth.KEEPS`."""
+        self.keepers.append((keeper, kind, list(parts)))
+
+    def weld(self, path: str, holder: str) -> None:
+        """A part comes out with another one."""
+        self.keep(holder, "welded", path)
+        for step in self.steps:
+            if holder in step.parts:
+                step.parts.append(path)
 
     def wait(self, path: str, *after: str) -> None:
         """A part comes out only after others."""
@@ -313,10 +331,9 @@ class Assembly:
         size: float,
         frame: Floats,
         holds: Sequence[str],
-        swing: float = 2.0 * np.pi,
     ) -> None:
         """Names a fastener."""
-        self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds), swing))
+        self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds)))
 
     def lift(self, path: str, height: float) -> None:
         """Moves a part, and where its tool goes, along its z axis; its steps keep their axes."""
@@ -325,11 +342,11 @@ class Assembly:
             if fastener.path == path:
                 fastener.frame = times(fastener.frame, at(z=height))
 
-    def swings(self, path: str, most: float) -> None:
-        """The tool of a fastener turns no farther than this, radians: a fault is in its way."""
+    def stop_tool(self, path: str) -> None:
+        """A fault is in the way of a socket or key on a fastener."""
         for fastener in self.fasteners:
             if fastener.path == path:
-                fastener.swing = min(fastener.swing, most)
+                fastener.is_stopped = True
 
     # --- the results ------------------------------------------------------------------------------------------------
 
@@ -377,6 +394,14 @@ def _room(part: Part) -> tuple[float, float, float] | None:
     slim = {"cap_screw": 0.75 * m.size, "washer": m.washer / 2.0, "stud": m.size / 2.0}
     head = slim.get(name, m.flats / float(np.sqrt(3.0)))
     return head, slim.get(name, 0.64 * m.flats + 0.7), 0.0 if name in ("washer", "stud") else m.head
+
+
+def tool_room(tool: str, size: float) -> tuple[float, float]:
+    """Radius of a socket or key, and how far it reaches from the top of the head, millimetres.
+
+    It stands 0.2 mm above the head.
+    """
+    return (0.6 * size, 40.2) if tool == "hex key" else (0.64 * size + 0.7, 55.2)
 
 
 def pull(axis: Vector, distance: float) -> Leg:

@@ -96,6 +96,7 @@ class Workshop:
         axis = seat[:3, 2]
         engaged = length - grip - thick
         asm.fit(path, into, "thread as cylinders", -(m.size - m.core) / 2.0, m.core / 2.0)
+        asm.keep(into, "thread", path)
         out = [path]
         for part in stack:
             self.passes(path, part, size)
@@ -104,6 +105,7 @@ class Workshop:
             ring = asm.add(f"{group}/{beside}", "zinc-plated steel", standard.washer, size, pose=seat, spin=True)
             asm.fit(path, ring, "clearance", (m.washer_bore - m.size) / 2.0, m.washer_bore / 2.0)
             asm.flush(path, ring, stack[0])
+            asm.keep(path, "head", ring)
             asm.step(ring, pull(axis, away), after=[path], door_open=door_open)
             out.append(ring)
         else:
@@ -146,6 +148,9 @@ class Workshop:
         for part in stack:
             self.passes(stud, part, size)
         asm.flush(nut, washer, stack[0])
+        asm.keep(into, "thread", stud)
+        asm.keep(stud, "thread", nut)
+        asm.keep(nut, "head", washer)
         asm.step(nut, screw(axis, face[:3, 3], m.nut + 3.0 * m.pitch, m.pitch), pull(axis, AWAY))
         asm.step(washer, pull(axis, AWAY), after=[nut])
         asm.step(stud, screw(axis, face[:3, 3], -low + 1.0, m.pitch), pull(axis, AWAY), after=[nut])
@@ -176,6 +181,7 @@ class Workshop:
             for ring in (inner, outer):
                 asm.fit(ball, ring, "ball in raceway", 0.0, chords=sag)
             balls.append(ball)
+        asm.keep(outer, "bearing", inner, cage, *balls)
         return [inner, outer, cage, *balls]
 
     # --- the housing and the train ----------------------------------------------------------------------------------
@@ -207,6 +213,8 @@ class Workshop:
             asm.fit(pin, front, "H7/p6", press, 3.0 + press)
             asm.fit(pin, rear, "H7/g6", play("H7/g6", 6.0), 3.0 + play("H7/g6", 6.0))
             asm.fit(pin, seal, "clearance", 0.3, 3.3)
+            asm.keep(front, "press", pin)
+            asm.keep(pin, "dowel", front, seal, rear)
             unit.append(pin)
         m = METRIC[6]
         grip = 2.0 * FLANGE_THICK + GASKET
@@ -241,6 +249,10 @@ class Workshop:
             asm.fit(bolt, nut, "thread as cylinders", -(m.size - m.core) / 2.0, m.core / 2.0)
             asm.flush(bolt, washers[0], front)
             asm.flush(nut, washers[1], rear)
+            asm.keep(nut, "thread", bolt)
+            asm.keep(bolt, "thread", nut)
+            asm.keep(bolt, "head", washers[0])
+            asm.keep(nut, "head", washers[1])
             asm.step(nut, screw(Z, (x, y, 0.0), m.nut + 4.0, m.pitch), pull(Z, AWAY))
             asm.step(washers[1], pull(Z, AWAY), after=[nut])
             asm.step(bolt, pull((0.0, 0.0, -1.0), AWAY), after=[nut])
@@ -319,6 +331,8 @@ class Workshop:
         )
         asm.flush(clip, shaft)
         asm.flush(clip, gear)
+        asm.keep(clip, "circlip", gear)
+        asm.keep(shaft, "groove", clip)
         bearings = []
         for name, z, holder, kind in (
             ("front", low + b.width / 2.0, front, "H7/nominal"),
@@ -331,13 +345,16 @@ class Workshop:
             )
             asm.fit(parts[0], shaft, "nominal/k6", play("nominal/k6", b.bore), b.bore / 2.0)
             asm.flush(parts[0], shaft)
+            asm.keep(parts[0], "bearing", shaft)
+            asm.keep(shaft, "press", parts[0])
+            asm.keep(holder, "bearing", parts[1])
             asm.fit(parts[1], holder, kind, play(kind, b.outside), (b.outside + deviation("H7", b.outside)) / 2.0)
             if name == "front":
                 asm.flush(parts[1], holder)
             bearings.append(parts)
         out = (0.0, 0.0, -1.0)
         asm.step(bearings[0], pull(out, AWAY), after=[front])
-        asm.step(clip, after=bearings[0][:1], rigid=False)
+        asm.step(clip, pull(out, AWAY), after=bearings[0][:1], spread=standard.spread(s.seat))
         asm.step(gear, pull(out, AWAY), after=[clip])
         asm.step(key, pull(pose[:3, 1], KEYS[s.seat][1] + 1.0), pull(out, AWAY), after=[gear])
         unit = [shaft, *bearings[1]]
@@ -366,6 +383,8 @@ class Workshop:
         )
         self.asm.fit(key, shaft, "key in keyway", train.KEY_PLAY)
         self.asm.fit(key, hub, "key in keyway", 2.0 * train.KEY_PLAY)
+        self.asm.keep(key, "key", hub)
+        self.asm.keep(hub, "captive", key)
         return key
 
     def bevel_wheel(self, group: str, shaft: str, back: float, face: float, thick: float) -> list[str]:
@@ -384,6 +403,8 @@ class Workshop:
         asm.flush(wheel, shaft)
         asm.flush(clip, wheel)
         asm.flush(clip, shaft)
+        asm.keep(clip, "circlip", wheel)
+        asm.keep(shaft, "groove", clip)
         return [wheel, key, clip]
 
     def meshes(self) -> None:
@@ -463,6 +484,7 @@ class Workshop:
         """An O-ring, drawn as it is bought: it is squeezed where it sits; `gap`: between the parts that it seals."""
         asm = self.asm
         asm.add(path, "rubber", standard.o_ring, radius, section, pose=pose, spin=True)
+        asm.keep(inside, "groove", path)
         for part, squeeze in ((inside, SQUEEZE), (outside, SQUEEZE - gap)):
             asm.fit(path, part, "O-ring squeezed", -squeeze, radius + section / 2.0, chords=self.cut.sag(section / 2.0))
         return path

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from ...errors import OptionError
 from ..mesh import Floats, Mesh, at, times
 from . import lines, standard
-from .assembly import Assembly, Planted
+from .assembly import Assembly, Planted, pull, tool_room
 from .bodies import extruded, plate
-from .design import X, Y, frame
+from .design import AWAY, X, Y, frame
 from .layout import FILTER_X
 from .solid import placed
 
@@ -25,12 +25,6 @@ RULE_MM, NEARER_MM = 5.0, 0.5
 """The clearance that a rule requires of pipes, and by how much less two parts have."""
 NARROW_MM = 2.0
 INCH_MM = 25.4
-GUARDED_SWINGS = {
-    "breather_sensor": float(np.deg2rad(285.0)),
-    "fuel_pipe": float(np.deg2rad(100.0)),
-    "oil_pipe": float(np.deg2rad(40.0)),
-}
-"""How far wrenches swing beside the guards of two faults, radians; see `feeler.samples.accessory.lines.SWINGS`."""
 
 
 def _leg(asm: Assembly, pipe: str) -> tuple[float, float]:
@@ -58,6 +52,7 @@ def _support(asm: Assembly, path: str, x: float, top: float) -> None:
     box = ((x - 10.0, -high + 4.0), (x + 10.0, -high + 4.0), (x + 10.0, -low - 4.0), (x - 10.0, -low - 4.0))
     asm.add(path, "painted steel", extruded, box, 0.0, top - foot, pose=frame((0.0, foot, 0.0), Y, X))
     asm.flush(path, "bracket/rear_rail")
+    asm.weld(path, "bracket/rear_rail")
 
 
 def _pipe_clash(asm: Assembly) -> Planted:
@@ -65,6 +60,7 @@ def _pipe_clash(asm: Assembly) -> Planted:
     x, low = _leg(asm, pipe)
     _support(asm, path, x, low + CLASH_MM)
     asm.block("pipe_clash", pipe)
+    asm.wait("bracket/rear_rail", pipe)
     return Planted(
         "pipe_clash", [pipe, path], "clash", CLASH_MM * MM, "the pipe is 3 mm inside a support of the bracket"
     )
@@ -95,8 +91,10 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.fit(plug, path, "clearance", 0.6, 6.6)
     asm.flush(plug, path, cover)
     asm.block("blocked_bolt", bolt)
-    asm.swings(bolt, 0.0)
-    asm.swings("harness/breather_sensor", GUARDED_SWINGS["breather_sensor"])
+    asm.stop_tool(bolt)
+    asm.keep(plug, "head", path)
+    asm.step(path, pull(face[:3, 2], AWAY), after=[plug])
+    asm.wait(cover, path)
     top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
     room = float(times(face[:3, 3] - top, face[:3, 2]))
     says = f"a guard stands {room:.1f} mm over the bolt's head"
@@ -114,8 +112,7 @@ def _no_way_out(asm: Assembly) -> Planted:
     asm.add(path, "painted steel", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
     asm.flush("bracket/front_rail", path, "bracket/rear_rail")
     asm.block("no_way_out", bowl)
-    for pipe in ("fuel_pipe", "oil_pipe"):
-        asm.swings(f"lines/{pipe}/union_nut_2", GUARDED_SWINGS[pipe])
+    asm.weld(path, "bracket/front_rail")
     says = "the hole under the filter's bowl has a radius 2 mm less than the bowl's"
     return Planted("no_way_out", [bowl, path], "no way out", NARROW_MM * MM, says)
 
@@ -143,6 +140,8 @@ def _duplicate(asm: Assembly) -> Planted:
     for step in asm.steps:
         if path in step.parts:  # each would hold the parts that the other one holds: they come out together
             step.parts.append(copy)
+    for _, _, held in asm.keepers:
+        held += [copy] * (path in held)
     return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice, 0 mm apart")
 
 
@@ -151,6 +150,7 @@ def _inside(asm: Assembly) -> Planted:
     low, high = _box(asm, "bracket/beam")
     x, y, _ = ((low + high) / 2.0).tolist()
     asm.add(path, "hardened steel", standard.ball, 8.0, pose=at(x, y, float(low[2]) + WITHIN_MM + 4.0))
+    asm.stays[path] = "it is inside the solid beam"
     says = "a ball inside the solid beam, 10 mm under its face"
     return Planted("inside", [path, "bracket/beam"], "inside", WITHIN_MM * MM, says)
 
@@ -161,6 +161,7 @@ def _floating(asm: Assembly) -> Planted:
     place = (low + high) / 2.0
     place[1] = high[1] + OFF_MM
     asm.add(path, "zinc-plated steel", standard.washer, 8, pose=frame(place, Y), spin=True)
+    asm.step(path, pull(Y, AWAY))
     says = "a washer that nothing holds; the next part is the beam, 20 mm under it"
     return Planted("floating", [path], "floating", OFF_MM * MM, says)
 
@@ -203,21 +204,13 @@ def block_ring(asm: Assembly, path: str, meshes: dict[str, Mesh]) -> None:
     round_tool = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for fastener in asm.fasteners:
         top, up = float(fastener.frame[2, 3]), float(fastener.frame[2, 2])
+        if fastener.tool == "open-end wrench":
+            continue  # its swing is computed
         room, reach = tool_room(fastener.tool, fastener.size)
         ends = sorted((top, top + up * reach))
         tool = fastener.frame[:2, 3] + room * round_tool - centre
         if abs(up) > 0.5 and ends[0] < high and ends[1] > low and _meets_ring(tool[None], *edges):
-            asm.swings(fastener.path, 0.0)
-
-
-def tool_room(tool: str, size: float) -> tuple[float, float]:
-    """Radius in which a tool turns, and how far it reaches from the top of the head, millimetres.
-
-    Sockets and keys stand 0.2 mm above the head.
-    """
-    if tool == "open-end wrench":
-        return 9.0 * size, -0.38 * size
-    return (0.6 * size, 40.2) if tool == "hex key" else (0.64 * size + 0.7, 55.2)
+            fastener.is_stopped = True
 
 
 def _hull(points: Floats) -> Floats:

@@ -29,24 +29,6 @@ PIPE, BORE = 4.0, 3.0
 ELBOW_COLLAR = 5.0
 REACH = 42.0
 """From the axis of an elbow to its flat face."""
-SWINGS = {
-    "main_sensor": 145.0,
-    "fuel_pump_sensor": 155.0,
-    "breather_sensor": 295.0,
-    "vent_hose/union_nut_1": 135.0,
-    "vent_hose/union_nut_2": 85.0,
-    "fuel_pipe/union_nut_1": 295.0,
-    "fuel_pipe/union_nut_2": 160.0,
-    "oil_pipe/union_nut_1": 110.0,
-    "oil_pipe/union_nut_2": 70.0,
-}
-"""Least swing in degrees of an open-end wrench on a fastener that is reached only from the side: the least of several
-seeds, as `bench/gearbox_judge.py` measures it, less one step. With larger values some seed might fall short."""
-
-
-def swing_of(path: str) -> float:
-    """Of an open-end wrench on a fastener, radians."""
-    return float(np.deg2rad(SWINGS[path.split("/", 1)[1]]))
 
 
 def adapter(cut: Cut) -> Solid:
@@ -154,6 +136,7 @@ def line(
             fitting = asm.add(f"{group}/adapter_{k + 1}", "stainless steel", adapter, pose=place, spin=True)
             base = frame(place[:3, 3], z)
             asm.fit(fitting, holder, "thread as cylinders", thread, CORE)
+            asm.keep(holder, "thread", fitting)
             asm.step(fitting, screw(z, place[:3, 3], 10.0, 1.5), pull(z, 60.0), after=[f"{group}/{kind}"])
         else:
             pose = frame(place[:3, 3], place[:3, 2], z)
@@ -166,9 +149,10 @@ def line(
         asm.flush(fitting, holder)
         nut = asm.add(f"{group}/union_nut_{k + 1}", "stainless steel", union_nut, pose=base, spin=True)
         asm.fit(nut, fitting, "thread as cylinders", NUT_CORE - NOSE, NUT_CORE)
+        asm.keep(fitting, "thread", nut)
         ends.append(times(base, [0.0, 0.0, NOSE_END, 1.0])[:3])
         nuts.append(nut)
-        asm.fasten(nut, "nut", "open-end wrench", 17.0, times(base, at(z=NUT_HIGH)), [f"{group}/{kind}"], swing_of(nut))
+        asm.fasten(nut, "nut", "open-end wrench", 17.0, times(base, at(z=NUT_HIGH)), [f"{group}/{kind}"])
     a, b = ends
     corners = (a, np.array([a[0], a[1], level]), np.array([b[0], b[1], level]), b)
     asm.lines.append((f"{group}/{kind}", np.array(corners), PIPE, BEND))
@@ -192,6 +176,7 @@ def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: 
     base = times(pose, at(z=ELBOW_COLLAR))
     plate_path = asm.add(f"{group}/elbow_clamp", "zinc-plated steel", plate, corners, 4.0, 3.0, holes, pose=base)
     asm.flush(plate_path, fitting)
+    asm.keep(plate_path, "clamp", fitting)
     asm.fit(plate_path, fitting, "clearance", 0.5, 6.1)
     seat = times(base, at(0.0, 13.0 * side, 3.0))
     bolts = shop.bolt(
@@ -266,6 +251,7 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
     stand = asm.add("lines/oil_pipe/post", "zinc-plated steel", post, length, pose=base, spin=True)
     asm.fit(stand, rear, "thread as cylinders", -0.4, 2.1)
     asm.flush(stand, rear)
+    asm.keep(rear, "thread", stand)
     outline = loop_outline(cut, 6.0, CLIP_ASIDE + 7.0, -1.25, 1.25)
     drill = Drill(
         len(outline) - 1, CLIP_ASIDE - outline[-1][0], 7.0, ((2.75 + cut.ease, 0.0), (2.75 + cut.ease, 2.5)), 1
@@ -284,6 +270,7 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
     )
     asm.fit(clip, pipe, "clearance", 0.3, PIPE + 0.3)
     asm.flush(clip, stand)
+    asm.keep(clip, "clip", pipe)
     top = frame((foot[0], foot[1], OIL_LEVEL + 1.25), (0.0, 0.0, 1.0))
     bolts = shop.bolt("lines/oil_pipe", "clip_bolt", 5, top, [clip], stand, 2.5, 10.0)
     asm.fasteners[-1].holds.append(pipe)
@@ -336,10 +323,11 @@ def speed_sensor(shop: Workshop, name: str, cover: str, face: Floats) -> str:
     path = asm.add(f"harness/{name}_sensor", "steel", sensor, pose=face, spin=True)
     asm.fit(path, cover, "thread as cylinders", CORE - THREAD, CORE)
     asm.flush(path, cover)
+    asm.keep(cover, "thread", path)
     asm.step(
         path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY), after=[f"harness/{name}_sensor_plug"]
     )
-    asm.fasten(path, "bolt", "open-end wrench", 17.0, times(face, at(z=8.0)), [path], swing_of(path))
+    asm.fasten(path, "bolt", "open-end wrench", 17.0, times(face, at(z=8.0)), [path])
     return path
 
 
@@ -349,6 +337,7 @@ def blank(shop: Workshop, cover: str, face: Floats) -> str:
     path = asm.add(cover.replace("/cover", "/blanking_plug"), "zinc-plated steel", blanking_plug, pose=face, spin=True)
     asm.fit(path, cover, "thread as cylinders", CORE - THREAD, CORE)
     asm.flush(path, cover)
+    asm.keep(cover, "thread", path)
     asm.step(path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY))
     asm.fasten(path, "bolt", "socket", 15.0, times(face, at(z=7.0)), [path])
     return path
@@ -375,6 +364,7 @@ def harness(shop: Workshop, sources: Sequence[tuple[str, Floats, str]], sockets:
         for end, pose, part in (("", source, owner), ("_box", socket, box)):
             piece = asm.add(f"harness/{name}{end}_plug", "anodised aluminium", plug, pose=pose, spin=True)
             asm.fit(piece, part, "plug on receptacle", PLUG_BORE - NOSE, PLUG_BORE)
+            asm.keep(part, "plugged", piece)
             ends.append(times(pose, [0.0, 0.0, 12.3, 1.0])[:3])
             unit.append(piece)
         level = min(float(e[2]) for e in ends) - 46.0 - 9.0 * k
@@ -392,6 +382,7 @@ def harness(shop: Workshop, sources: Sequence[tuple[str, Floats, str]], sockets:
         asm.lines.append((cable, np.array(corners), CABLE, CABLE_BEND))
         for piece in unit[-2:]:
             asm.fit(cable, piece, "press of 20 um", -0.02, CABLE)
+            asm.keep(piece, "press", cable)
         unit.append(cable)
     asm.step(unit, pull(out, AWAY))
 
@@ -438,6 +429,7 @@ def junction_box(shop: Workshop, beam: str, face: Floats, count: int) -> list[tu
         part = asm.add(f"harness/receptacle_{k + 1}", "aluminium", sensor, pose=pose, spin=True)
         asm.fit(part, box, "thread as cylinders", CORE - THREAD, CORE)
         asm.flush(part, box)
+        asm.keep(box, "thread", part)
         asm.step(part, screw(face[:3, 2], pose[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY), after=["harness/*_plug"])
         sockets.append((times(pose, at(z=20.0)), part))
     return sockets

@@ -12,14 +12,17 @@ from feeler.progress import Progress
 from ...errors import OptionError
 from ..mesh import Floats, Mesh, MeshParts, snapped, times
 from . import assembly
-from .assembly import MATERIALS, Assembly, Part
+from .assembly import MATERIALS, Assembly, Part, tool_room
 from .build import build
 from .faults import block_ring, plant
 from .solid import Cut, Solid
-from .truth import Body, Fastener, Fault, Fit, Joint, Leg, Step, Truth
+from .standard import SEAT_RAD
+from .swings import FULL, LENGTH, WIDTH, widest_swing, wrench
+from .truth import SWING_RAD, Body, Fastener, Fault, Fit, Joint, Keeper, Leg, Stay, Step, Truth, steps_before
 
 ROOT = "gearbox"
 MM = 1e-3
+Vector = tuple[float, float, float]
 COARSEST_MM = 1.6
 """The largest chord: larger, and circles of neighbouring holes and edges cross."""
 LEVEL_RATIO = 2.0 ** (-1.0 / 3.0)
@@ -38,16 +41,19 @@ COUNTS = {
 
 
 class Drawn:
-    """An assembly with every part's solid at one of two neighbouring chords, so that the triangles number as wanted."""
+    """An assembly with every part's solid at one of two neighbouring chords, so that the triangles number as wanted.
+
+    Planted faults change no other part: the parts that they add come on top.
+    """
 
     def __init__(self, triangles: int, seed: int, faults: Sequence[str]) -> None:
-        made, finer = _neighbours(triangles, seed, tuple(faults))
+        made, finer = _neighbours(triangles, seed)
         if made.triangle_count > triangles:
             raise OptionError(
                 f"triangles is {triangles}; the {len(made.parts)} parts of the sample 'gearbox' have at least "
                 f"{made.triangle_count} with this seed; give that or more"
             )
-        self.assembly, self.faults = made, made.planted
+        self.assembly = made
         self.solids: dict[Hashable, Solid] = {}
         copies: dict[Hashable, int] = {}
         for part in made.parts.values():
@@ -63,6 +69,10 @@ class Drawn:
             if 0 < gain <= left:
                 self.solids[shape] = solid
                 left -= gain
+        made.planted = plant(made, faults)
+        for part in made.parts.values():
+            if part.shape not in self.solids:
+                self.solids[part.shape] = made.solid(part)
 
     def meshes(self, told: Callable[[float], None] = lambda _share: None) -> list[tuple[Part, Mesh]]:
         """Every part with its mesh in the world, metres."""
@@ -123,14 +133,13 @@ def _placed(part: Part, mesh: Mesh) -> Mesh:
     return Mesh(snapped(vertices), faces)
 
 
-def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Assembly, Assembly]:
-    """The gearbox at the finest level that does not exceed the triangles (or the coarsest), and at the next one."""
+def _neighbours(triangles: int, seed: int) -> tuple[Assembly, Assembly]:
+    """The gearbox without faults at two neighbouring levels: the finest that does not exceed the triangles, or the
+    coarsest, and the next one."""
 
     @lru_cache
     def made(level: int) -> Assembly:
-        asm = build(Cut(COARSEST_MM * LEVEL_RATIO**level), seed)
-        asm.planted = plant(asm, faults)
-        return asm
+        return build(Cut(COARSEST_MM * LEVEL_RATIO**level), seed)
 
     level = int(np.interp(np.log(max(triangles, 1)), np.log(list(COUNTS.values())), list(COUNTS)))
     while level < max(COUNTS) and made(level + 1).triangle_count <= triangles:
@@ -174,7 +183,7 @@ def volume(mesh: Mesh) -> float:
 def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
     """The facts of the assembly, in metres and with full paths; `meshes`: in the world, by the assembly's paths.
 
-    Without meshes masses are 0.
+    Without meshes masses are 0, and wrenches swing in full.
     """
     asm.wait_for_lines()
     for planted in asm.planted:
@@ -208,20 +217,10 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         )
         for path in step.parts:
             blocked[path] = by
-        steps.append(Step(many(step.parts), legs, many(after), step.door_open, step.rigid, step.removes, tuple(by)))
-    fasteners = tuple(
-        Fastener(
-            full(f.path),
-            f.kind,
-            f.tool,
-            f.size * MM,
-            _metres(f.frame[:3, 3]),
-            _plain(f.frame[:3, 2]),
-            f.swing,
-            many(f.holds),
-        )
-        for f in asm.fasteners
-    )
+        middle = (0.0, 0.0, 0.0) if step.rigid else _metres(asm.parts[step.parts[0]].pose[:3, 3])
+        moved, needs, wide = many(step.parts), many(after), round(step.spread * MM, 9)
+        steps.append(Step(moved, legs, needs, step.door_open, step.rigid, step.removes, tuple(by), wide, middle))
+    plain_steps = tuple(steps)
     joints = tuple(
         Joint(
             j.name,
@@ -237,9 +236,76 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         )
         for j in asm.joints
     )
+    room = Room({full(path): mesh for path, mesh in meshes.items()}, plain_steps, joints)
+    fasteners = tuple(_fastener(asm, f, room) for f in asm.fasteners)
+    keepers = tuple(Keeper(full(path), kind, many(held)) for path, kind, held in asm.keepers)
+    stays = tuple(Stay(full(path), because) for path, because in asm.stays.items())
     fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
     faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says, many(f.moved)) for f in asm.planted)
-    return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)
+    chord = asm.cut.chord * MM
+    return Truth(seed, chord, tuple(bodies), fits, plain_steps, fasteners, keepers, stays, joints, faults)
+
+
+def _fastener(asm: Assembly, f: assembly.Fastener, room: Room) -> Fastener:
+    """A fastener with its tool."""
+    path, size = f"{ROOT}/{f.path}", f.size * MM
+    boxes: tuple[tuple[Vector, Vector], ...] = ()
+    seat: Vector = (0.0, 0.0, 0.0)
+    if f.tool == "open-end wrench":
+        pose = asm.parts[f.path].pose[:3, :3]
+        seat = _plain(times(pose, [np.cos(SEAT_RAD), np.sin(SEAT_RAD), 0.0]))
+        boxes = tuple((_plain(low), _plain(high)) for low, high in wrench(size))
+        length, width = LENGTH * size, WIDTH * size
+        z = f.frame[:3, 2]
+        frame = np.column_stack([seat, np.cross(z, seat), z])
+        swing = room.swing(path, frame, f.frame[:3, 3] * MM, boxes)
+    else:
+        radius, reach = tool_room(f.tool, f.size)
+        length, width, swing = reach * MM, 2.0 * radius * MM, 0.0 if f.is_stopped else FULL
+    top, axis = _metres(f.frame[:3, 3]), _plain(f.frame[:3, 2])
+    holds = tuple(f"{ROOT}/{held}" for held in f.holds)
+    return Fastener(path, f.kind, f.tool, size, top, axis, swing, length, width, boxes, seat, holds)
+
+
+class Room:
+    """The parts around a wrench."""
+
+    def __init__(self, meshes: dict[str, Mesh], steps: tuple[Step, ...], joints: tuple[Joint, ...]) -> None:
+        self.meshes, self.steps = meshes, steps
+        pick = np.array([[k & 1, k >> 1 & 1, k >> 2 & 1] for k in range(8)], dtype=bool)
+        ends = {path: (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for path, mesh in meshes.items()}
+        self.boxes = {path: np.where(pick, high, low) for path, (low, high) in ends.items()}
+        """Corners (8, 3) by path."""
+        self.door = next(joint for joint in joints if joint.name == "door")
+
+    def swing(self, path: str, frame: Floats, top: Floats, boxes: tuple[tuple[Vector, Vector], ...]) -> float:
+        """The largest swing on a fastener when its step begins. `frame`: the axes of the wrench on a seat, columns."""
+        step = next(step for step in self.steps if path in step.parts)
+        out = {each for earlier in steps_before(self.steps, step) if earlier.removes for each in earlier.parts}
+        low, high = np.array(boxes).min(axis=0)[0], np.array(boxes).max(axis=0)[1]
+        reach = float(np.hypot(high[0], high[1]))
+        corners = []
+        for other, mesh in self.meshes.items():
+            if other in out or other == path:
+                continue
+            is_turned = step.door_open and other in self.door.parts
+            box = turned_about(self.door, self.boxes[other]) if is_turned else self.boxes[other]
+            local = times(box - top, frame)
+            least, most = local.min(axis=0), local.max(axis=0)
+            gap = np.maximum(np.maximum(least, -most), 0.0)[:2]
+            if least[2] < high[2] and most[2] > low[2] and np.hypot(gap[0], gap[1]) < reach:
+                points = turned_about(self.door, mesh.vertices) if is_turned else mesh.vertices
+                corners.append(times(points - top, frame)[mesh.faces])
+        swing = widest_swing(np.concatenate(corners), boxes) if corners else FULL
+        return swing if swing == FULL else round(int(swing / SWING_RAD) * SWING_RAD, 6)
+
+
+def turned_about(joint: Joint, points: Floats) -> Floats:
+    """Points (n, 3) with a joint at its `high`, metres."""
+    axis, point, angle = np.array(joint.axis), np.array(joint.point_m), joint.high or 0.0
+    off = points - point
+    along = np.outer(times(off, axis), axis)
+    return np.asarray(point + along + (off - along) * np.cos(angle) + np.cross(axis, off) * np.sin(angle))
 
 
 def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:

@@ -80,6 +80,7 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
     drills = tuple(
         Drill(1, s.top + 20.0 + y - y0, box_x + x - s.inner["left"], tapped(cut, 4, 10.0)) for x, y in box_screws
     )
+    asm.stays[s.beam] = "it carries all others"
     asm.add(
         s.beam, "painted steel", extruded, corners, 0.0, length, drills, (), (pits, pits), pose=across(s.inner["left"])
     )
@@ -149,6 +150,7 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
             spin=True,
         )
         asm.fit(bush, hanger, "H7/p6", play("H7/p6", 32.0), 16.0)
+        asm.keep(hanger, "press", bush)
         asm.fit(bush, f"bracket/{side}_mount/mount", "H7/g6", play("H7/g6", 24.0), 12.0)
         out = (sign, 0.0, 0.0)
         outside = s.inner[side] + sign * HANGER
@@ -160,6 +162,7 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
             seat = frame((outside, s.door + RAIL_THICK / 2.0, (a + b) / 2.0), out)
             bolts += shop.bolt("bracket", f"{side}_{name}_rail_bolt", 6, seat, [hanger], rails[name], HANGER, 14.0)
             asm.flush(rails[name], hanger)
+            asm.keep(bolts[-2], "thread", rails[name])
         asm.step([hanger, bush], pull(out, AWAY), after=[*bolts, f"bracket/{side}_mount/retainer"])
         for step in asm.steps:
             if step.parts[0] == f"bracket/{side}_mount/mount":
@@ -240,6 +243,7 @@ def mount(shop: Workshop, s: Stand, side: str, sign: float) -> None:
     face = times(base, at(z=36.5))
     disc = asm.add(f"{group}/retainer", "zinc-plated steel", standard.seal_washer, 9.0, 40.0, 3.0, pose=face, spin=True)
     asm.flush(disc, path)
+    asm.keep(disc, "stop", f"bracket/{side}_bush")
     bolt = shop.bolt(group, "retainer_bolt", 8, times(face, at(z=3.0)), [disc], path, 3.0, 18.0)
     asm.step(disc, pull(base[:3, 2], AWAY), after=bolt)
 
@@ -303,6 +307,10 @@ def door(shop: Workshop, s: Stand) -> None:
         spin=True,
     )
     asm.fit(rod, panel, "H7/p6", press, LATCH_ROD + press)
+    asm.keep(panel, "press", rod)
+    asm.keep(panel, "captive", bar)
+    asm.keep(rod, "stop", bar)
+    asm.keep(bar, "latch", panel)
     down = (0.0, -1.0, 0.0)
     asm.step(bar, turn(Y, pose[:3, 3], np.pi / 2.0), removes=False)
     moving = [panel, bar, rod]
@@ -363,6 +371,8 @@ def door(shop: Workshop, s: Stand) -> None:
         pins.append(pin)
         for _, leaf, _ in leaves[-2:]:
             asm.fit(pin, leaf, "clearance", 0.05, PIN + 0.05)
+        asm.keep(pin, "hinge", *(leaf for _, leaf, _ in leaves[-2:]))
+        asm.keep(leaves[-2][1], "hinge", pin)
         asm.step(pin, pull((-1.0, 0.0, 0.0), 60.0))
     for k, (_, leaf, bolts) in enumerate(leaves):
         asm.step(leaf, pull(down, AWAY), after=[*bolts, pins[k // 2]])

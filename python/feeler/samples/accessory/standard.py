@@ -11,6 +11,11 @@ from ..mesh import Floats, Ints
 from .fits import BEARINGS, CIRCLIPS, KEYS, METRIC
 from .solid import Cut, Row, Solid, placed
 
+SEAT_RAD = 0.3
+"""The angle of the first corner of hexagons, in their own frame."""
+CLOSED_MM, SPREAD_PLAY_MM = 0.1, 0.1
+"""The gap between a circlip and its groove's floor, and between a spread one and its shaft: as chords do not grow with
+their ends, less would let it touch at few triangles."""
 THREAD_PLAY_MM = 0.12
 """By how much the hole of the thread that is drawn as a helix is larger, on its radius."""
 
@@ -35,7 +40,7 @@ def turned_part(cut: Cut, rows: tuple[Row, ...], least: int = 8) -> Solid:
 
 def hexagon(flats: float, z: float) -> Floats:
     """A hexagon about z, (6, 3)."""
-    angle = np.arange(6) * (np.pi / 3.0) + 0.3
+    angle = np.arange(6) * (np.pi / 3.0) + SEAT_RAD
     radius = flats / np.sqrt(3.0)
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(6, z)], axis=1)
 
@@ -358,7 +363,7 @@ def cage(cut: Cut, name: str) -> Solid:
 def circlip(cut: Cut, shaft: int) -> Solid:
     """An external circlip (DIN 471) on z = 0: a ring that is open at +x, with two lugs that have holes."""
     thick, groove, _, width = CIRCLIPS[shaft]
-    inner = groove / 2.0 + 0.1
+    inner = groove / 2.0 + CLOSED_MM
     outer = inner + width
     gap, lug = 0.16, 0.42  # angles of the opening's half and of a lug's end
     far = outer + 0.45 * width
@@ -382,6 +387,11 @@ def circlip(cut: Cut, shaft: int) -> Solid:
     solid.face(low, *holes[0])
     solid.face(high, *holes[1])
     return solid
+
+
+def spread(shaft: int) -> float:
+    """How far each point of a circlip moves away from its axis so that the ring passes over the shaft."""
+    return (shaft - CIRCLIPS[shaft][1]) / 2.0 - CLOSED_MM + SPREAD_PLAY_MM
 
 
 def key(cut: Cut, shaft: int, length: float) -> Solid:

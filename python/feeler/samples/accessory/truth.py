@@ -12,6 +12,8 @@ from dataclasses import asdict, dataclass
 from ...errors import OptionError
 
 Vector = tuple[float, float, float]
+SWING_RAD = 0.001
+"""The tolerance of the swings of open-end wrenches: 0.06 degrees."""
 STOP_RAD = 0.035
 """How far a joint's stop may be beyond its limit, at most: two degrees. With a larger value, limits say less about
 stops."""
@@ -64,19 +66,25 @@ class Step:
     parts: tuple[str, ...]
     """Paths; the first one gives the unit its name."""
     legs: tuple[Leg, ...]
-    """In order, from the place of the parts in the mock-up, or where an earlier step left them."""
+    """In order, from the place of the parts in the mock-up, or where an earlier step left them. Those of a ring that is
+    not `rigid` are of the spread ring: it leaves its groove before the first leg, and does not close again."""
     after: tuple[str, ...]
     """Paths of parts to remove or loosen before, in the order of the parts."""
     door_open: bool
     """Whether the joint "door" must be at its `high`."""
     rigid: bool
-    """False: the part has to be bent to come out (a circlip is spread); it has no legs."""
+    """False: the part, a circlip, is spread by `spread_m` during all legs. As modelled, it does not come out."""
     removes: bool
     """False: the parts are only loosened; a later step takes them out."""
     blocked_by: tuple[str, ...] = ()
     """Names of the planted faults that block this step or one that it needs. Empty: the path of the legs is free.
 
     Otherwise the legs are the path without these faults, and the parts do not come out."""
+    spread_m: float = 0.0
+    """How far each point of a circlip is moved away from the ring's axis: enough to pass over its shaft. 0 for rigid
+    parts."""
+    spread_about_m: Vector = (0.0, 0.0, 0.0)
+    """A point on that axis, which has the direction of the first leg; zero for rigid parts."""
 
 
 @dataclass(frozen=True)
@@ -96,12 +104,65 @@ class Fastener:
     axis: Vector
     """A unit vector outwards, towards the tool."""
     swing_rad: float
-    """A free swing of the tool: a full turn for sockets and keys, 0 if a fault blocks the tool. For an open-end wrench
-    it is a lower bound of the largest swing: the least of several seeds. A wrench is about nine flats long and loosens
-    counter-clockwise; 60 degrees take it from flat to flat."""
+    """The largest free swing of the tool about the axis, with the parts of earlier steps out and the door open if the
+    step needs it: a full turn for sockets and keys, or 0 if a fault is in their way.
+
+    Of an open-end wrench: the widest arc in which it touches nothing but the fastener and that contains a seat, for the
+    meshes as they are. The arc is `SWING_RAD` too small at most, and never too large; 0 without a free seat."""
+    tool_length_m: float
+    """Sockets and keys: from the top of the head outwards. Wrenches: from the axis to the end of the handle."""
+    tool_width_m: float
+    """Sockets and keys: the diameter. Wrenches: the width of the handle."""
+    tool_boxes_m: tuple[tuple[Vector, Vector], ...]
+    """The shape of an open-end wrench: lower and upper corners of the boxes of its jaws, its neck and its handle.
+    z is `axis`, the origin `top_m`, and the handle lies along x. Empty for sockets and keys: they are cylinders."""
+    seat: Vector
+    """A unit vector: x of a wrench that is put on the flats. There are six seats, 60 degrees apart. Zero for sockets
+    and keys, which start anywhere."""
     holds: tuple[str, ...]
     """Paths of the parts that come loose with it, from the head inwards; a sensor or plug with its own thread fastens
     itself."""
+
+
+@dataclass(frozen=True)
+class Keeper:
+    """A part without a tool that keeps others in place: a circlip, a key, a dowel, a clip, a bayonet, a latch, ..."""
+
+    path: str
+    kind: str
+    """How it keeps them; see `KEEPS`."""
+    holds: tuple[str, ...]
+    """Paths of the parts that it keeps."""
+
+
+KEEPS = {
+    "circlip": "a ring in a groove stops them along the shaft",
+    "key": "they turn with the shaft that it lies in",
+    "dowel": "they do not slide on each other",
+    "clip": "a loop or an eye around them",
+    "clamp": "a plate on their collar",
+    "bayonet": "lugs behind a rim",
+    "latch": "a bar behind a rail, until it is turned",
+    "hinge": "a pin through the eyes of their leaves",
+    "stop": "it ends their turn or their slide",
+    "groove": "they lie in its groove",
+    "press": "they are pressed into it, or onto it",
+    "thread": "they are screwed into it, onto it, or it into them",
+    "head": "they lie under its head",
+    "bearing": "they run in it, or roll on it",
+    "plugged": "they are plugged onto it",
+    "captive": "they are enclosed by it",
+    "welded": "they are one with it",
+}
+"""What each `Keeper.kind` means."""
+
+
+@dataclass(frozen=True)
+class Stay:
+    """A part without a removal path."""
+
+    path: str
+    because: str
 
 
 @dataclass(frozen=True)
@@ -183,6 +244,10 @@ class Truth:
     steps: tuple[Step, ...]
     """In one valid order of disassembly."""
     fasteners: tuple[Fastener, ...]
+    keepers: tuple[Keeper, ...]
+    """What keeps parts in place beside fasteners. Each part but those that stay is held by a fastener or a keeper."""
+    stays: tuple[Stay, ...]
+    """Parts that no step removes, and why."""
     joints: tuple[Joint, ...]
     faults: tuple[Fault, ...]
     """In the given order."""
@@ -193,13 +258,16 @@ class Truth:
         return next((fit for fit in self.fits if {fit.a, fit.b} == pair), None)
 
     def holds(self, path: str) -> tuple[str, ...]:
-        """The fasteners that hold a part. Raises OptionError for an unknown path."""
+        """The parts that hold a part: fasteners first, then `keepers`. Raises OptionError for an unknown path."""
         self._known(path)
-        return tuple(fastener.path for fastener in self.fasteners if path in fastener.holds)
+        rows = [(fastener.path, fastener.holds) for fastener in self.fasteners]
+        rows += [(keeper.path, keeper.holds) for keeper in self.keepers]
+        return tuple(dict.fromkeys(holder for holder, held in rows if path in held))
 
     def way(self, path: str) -> tuple[Step, ...]:
-        """The steps, in order, that take a part out; empty for the beam, which carries all, and for parts that a fault
-        adds. The part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown path.
+        """The steps, in order, that take a part out; empty for parts that stay (`stays` says why).
+
+        The part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown path.
         """
         self._known(path)
         last = next((step for step in self.steps if step.removes and path in step.parts), None)
