@@ -345,6 +345,20 @@ def test_ctrl_c_ends_with_130(tmp_path: Path) -> None:
     assert stderr.strip() == "feeler: interrupted"
 
 
+def test_warnings_are_one_line_each() -> None:
+    code = (
+        "import feeler, warnings, feeler.cli.info\n"
+        "def told(*a, **k):\n    warnings.warn('a worker died:\\n3 tasks are done again', feeler.WorkerLost)\n"
+        "    warnings.warn('of another library', UserWarning)\n    raise feeler.LoadError('enough')\n"
+        "feeler.cli.info.read_mockup = told\n"
+        "from feeler.cli import main; main()"
+    )
+    ended = subprocess.run([sys.executable, "-c", code, "info", "a.stl"], capture_output=True, text=True, check=False)
+    first, second, *_, last = ended.stderr.splitlines()
+    assert (ended.returncode, first) == (2, "feeler: warning: a worker died: 3 tasks are done again"), ended.stderr
+    assert second.endswith("UserWarning: of another library") and last == "feeler: enough"
+
+
 def test_threads_that_nobody_waits_for_end_with_the_program() -> None:
     """NumPy's `unique` is C++: a thread that the end of the interpreter stops in it takes the process along."""
     code = (

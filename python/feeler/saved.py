@@ -85,6 +85,8 @@ def opened(path: str, verify: bool, memory_limit: int, progress: Callable[[float
         raise MissingFileError(f"{path}: there is no such file; check the path")
     state = _state(path)
     core = _core.SavedScene(path, verify, memory_limit, progress)
+    if any(part >= core.part_count for part in core.absent_parts):
+        raise LoadError(f"{path}: the file is damaged: a part that is out of the scene is not in it; save it again")
     file = SavedFile(path, core, state if state == _state(path) else ())
     _known[path, file.core.content_hash] = file
     return file

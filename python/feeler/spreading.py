@@ -305,7 +305,7 @@ class _Round(Generic[Task, Result]):
         if self._losses > MOST_LOSSES:
             raise FeelerError(
                 f"workers died {self._losses} times, and {missing} of {len(self._tasks)} tasks are not done: is there "
-                f"enough memory for all of them? ({error})"
+                f"enough memory for all of them? ({str(error) or type(error).__name__})"
             ) from error
         told = f"a worker died: {missing} tasks are done again"
         warnings.warn(f"{told} ({type(error).__name__})", WorkerLost, stacklevel=5)

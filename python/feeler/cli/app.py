@@ -17,6 +17,7 @@ import shutil
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from typing import Annotated, Any, NoReturn, TypeVar
 
@@ -100,15 +101,20 @@ def print_examples(examples: Iterable[str]) -> None:
 
 def fail(message: str) -> None:
     """Writes one line to stderr."""
+    print(f"feeler: {_line(message)}", file=sys.stderr)
+
+
+def _line(message: str) -> str:
     from feeler.words import printable
 
-    print(f"feeler: {printable(' '.join(message.split()))}", file=sys.stderr)
+    return printable(" ".join(message.split()))
 
 
 def main() -> None:
     """Runs the program and exits."""
     output = _Output.instead_of("stdout")
     _Output.instead_of("stderr")  # a finding is one, whether or not its warnings can be written
+    warnings.showwarning = _show
     try:
         app(prog_name="feeler")
     except KeyboardInterrupt:
@@ -124,6 +130,14 @@ def main() -> None:
                 fail(f"cannot write the output: {output.trouble}; free some space or choose another place")
                 _exit(BAD_INPUT)
         _exit(end.code)
+
+
+def _show(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
+    """A warning of feeler's in one line, without the line of its code; others as Python shows them."""
+    if category.__module__.partition(".")[0] == "feeler":
+        print(f"feeler: warning: {_line(str(message))}", file=sys.stderr)
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
 
 
 def _exit(status: Any) -> NoReturn:
