@@ -11,7 +11,7 @@ use super::row::Verdict;
 use crate::point_depth::bodies::Bodies;
 use crate::point_depth::body::Body;
 use crate::point_depth::depth::{is_deeper, is_holding, is_same_surface};
-use crate::point_depth::walls::are_walls_crossing;
+use crate::point_depth::walls::are_walls_clashing;
 
 /// How two parts collide, by exact signs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub enum Relation {
 pub struct Related {
     pub parts: [u32; 2],
     pub relation: Relation,
-    /// `None`: both are open, and the contact planes decide.
+    /// `None`: both are open, and the depth of their crossing decides.
     pub verdict: Option<Verdict>,
 }
 
@@ -65,9 +65,27 @@ impl Judge<'_> {
             return Some(Verdict::Clash);
         }
         match relation {
-            Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Some(Verdict::Contained),
-            Relation::Touching(Touching::Beside) => Some(Verdict::Contact),
+            Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Some(self.of_held(parts)),
+            Relation::Touching(Touching::Beside) if self.has_inside(parts) => Some(Verdict::Contact),
             _ => self.of_crossing(parts),
+        }
+    }
+
+    /// Whether one of two parts has an inside.
+    fn has_inside(&self, parts: [u32; 2]) -> bool {
+        parts.iter().any(|part| self.solids.of(*part).is_closed())
+    }
+
+    /// A part that another contains by exact signs. An open surface that is nowhere deeper than contact allows lies on the other part.
+    fn of_held(&self, parts: [u32; 2]) -> Verdict {
+        if parts.iter().all(|part| self.solids.of(*part).is_closed()) {
+            return Verdict::Contained;
+        }
+        let [a, b] = self.bodies_of(parts);
+        if is_deeper([&a, &b], self.limits.contact(parts[0], parts[1])) {
+            Verdict::Contained
+        } else {
+            Verdict::Contact
         }
     }
 
@@ -110,13 +128,21 @@ impl Judge<'_> {
         if !a.is_closed() && !b.is_closed() {
             return None;
         }
+        let [p, q] = self.boxes_of(parts);
+        let is_held = || {
+            (is_in(&p, &q, rounding) && is_holding([&a, &b], rounding))
+                || (is_in(&q, &p, rounding) && is_holding([&b, &a], rounding))
+        };
         if is_deeper([&a, &b], contact) {
-            let [p, q] = self.boxes_of(parts);
-            let is_held = (is_in(&p, &q, rounding) && is_holding([&a, &b], rounding))
-                || (is_in(&q, &p, rounding) && is_holding([&b, &a], rounding));
-            return Some(if is_held { Verdict::Contained } else { Verdict::Clash });
+            return Some(if is_held() { Verdict::Contained } else { Verdict::Clash });
         }
-        let is_pierced = contact > rounding && are_walls_crossing([&a, &b], contact);
+        // A thin part that only rounding keeps from being contained.
+        let are_closed = a.is_closed() && b.is_closed();
+        let is_in_box = is_in(&p, &q, rounding) || is_in(&q, &p, rounding);
+        if are_closed && contact > rounding && is_in_box && is_deeper([&a, &b], rounding) && is_held() {
+            return Some(Verdict::Contained);
+        }
+        let is_pierced = contact > rounding && are_walls_clashing([&a, &b], contact);
         Some(if is_pierced { Verdict::Clash } else { Verdict::Contact })
     }
 

@@ -1,11 +1,16 @@
 //! The surface of a part under a tree of boxes, for queries of points: the closest point of the surface, and whether a
 //! point is inside.
 
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+use feeler_core::constants::NONE;
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::geometry::vectors::{add, along, cross, dot, precise_normal, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Point, Triangle};
 
+use super::border::Border;
 use super::tree::Tree;
 use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS};
 
@@ -42,6 +47,9 @@ pub struct Body {
     has_cracks: bool,
     is_loose: bool,
     is_closed: bool,
+    /// As [`Adjacency::neighbours`], by the places of its triangles; empty if it is closed.
+    neighbours: Vec<[u32; 3]>,
+    border: OnceLock<Border>,
 }
 
 impl Body {
@@ -58,13 +66,17 @@ impl Body {
         let senses: Vec<i8> = order.iter().map(|i| adjacency.outward[numbers[*i as usize] as usize]).collect();
         let triangles: Vec<Triangle> = order.iter().map(|i| moved[*i as usize]).collect();
         drop(moved);
+        let is_closed = senses.iter().any(|sense| *sense != 0);
+        let neighbours = if is_closed { Vec::new() } else { neighbours_of(&numbers, &order, adjacency) };
         Body {
             origin,
             rounding: (BODY_ROUNDING * bounds.largest_coordinate()).max(SURFACE_ROUNDOFFS * last_place(&world)),
             bounds,
             planes: triangles.iter().map(plane_of).collect(),
             triangles,
-            is_closed: senses.iter().any(|sense| *sense != 0),
+            is_closed,
+            neighbours,
+            border: OnceLock::new(),
             senses,
             tree,
             has_cracks: adjacency.has_cracks,
@@ -172,6 +184,16 @@ impl Body {
         self.triangles.iter().step_by(step).map(|t| add(&t[0], &self.origin)).collect()
     }
 
+    /// The triangles beside one of its triangles, over the edges from corner `k` to `k + 1`; `NONE` at a border, and of a closed body.
+    pub fn neighbours(&self, i: u32) -> [u32; 3] {
+        self.neighbours.get(i as usize).copied().unwrap_or([NONE; 3])
+    }
+
+    /// The border of a body without closed surfaces.
+    pub fn border(&self) -> &Border {
+        self.border.get_or_init(|| Border::new(self, &self.neighbours))
+    }
+
     /// Between which heights along a normal all of it is, in the world: beyond it by no more than a millionth of its size.
     pub fn heights(&self, normal: &Point) -> [f64; 2] {
         let height = |i: u32, sense: f64| {
@@ -228,6 +250,13 @@ impl Body {
 fn last_place(bounds: &Aabb) -> f64 {
     let largest = bounds.largest_coordinate();
     largest.next_up() - largest
+}
+
+/// The neighbours of triangles by their places in an order, from their numbers in an adjacency.
+fn neighbours_of(numbers: &[u32], order: &[u32], adjacency: &Adjacency) -> Vec<[u32; 3]> {
+    let places: HashMap<u32, u32> = order.iter().zip(0..).map(|(i, place)| (numbers[*i as usize], place)).collect();
+    let place = |number: u32| places.get(&number).copied().unwrap_or(NONE);
+    order.iter().map(|i| adjacency.neighbours[numbers[*i as usize] as usize].map(place)).collect()
 }
 
 fn plane_of(t: &Triangle) -> [f64; 4] {
