@@ -463,3 +463,10 @@ pub const SIDE_STEP: f64 = 0.5;
 
 /// The multiple of `contact` that walls side by side share of their thickness to clash; above 1 by more than the error of depths.
 pub const SIDE_EXCESS: f64 = 1.0 + 2e-3;
+
+/// Share of a body's size above which a gap is no seam: twice that within which the topology closes seams. Larger: gaps at cracks count
+/// as loose seams.
+pub const WIDEST_SEAM: f64 = 4e-6;
+
+/// The multiple of the gaps in its seams by which what a body contains may stick out of it; the depth has to be this many times more.
+pub const SEAM_EXCESS: f64 = 4.0;

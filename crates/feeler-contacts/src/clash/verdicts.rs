@@ -8,6 +8,7 @@ use feeler_core::{Aabb, PairLimits};
 
 use super::obvious::is_through;
 use super::row::Verdict;
+use crate::constants::SEAM_EXCESS;
 use crate::point_depth::bodies::Bodies;
 use crate::point_depth::body::Body;
 use crate::point_depth::depth::{is_deeper, is_holding, is_same_surface};
@@ -129,16 +130,21 @@ impl Judge<'_> {
             return None;
         }
         let [p, q] = self.boxes_of(parts);
+        // Loose seams make a surface as uneven as they are wide.
+        let [within_a, within_b] = [&a, &b].map(|body| rounding.max(SEAM_EXCESS * body.looseness()));
+        let least = |within: f64| if within > rounding { SEAM_EXCESS * within } else { 0.0 };
         let is_held = || {
-            (is_in(&p, &q, rounding) && is_holding([&a, &b], rounding))
-                || (is_in(&q, &p, rounding) && is_holding([&b, &a], rounding))
+            let is_in_other = |[p, q]: [&Aabb; 2], pair: [&Body; 2], within: f64| {
+                is_in(p, q, within) && is_holding(pair, within) && is_deeper(pair, least(within))
+            };
+            is_in_other([&p, &q], [&a, &b], within_b) || is_in_other([&q, &p], [&b, &a], within_a)
         };
         if is_deeper([&a, &b], contact) {
             return Some(if is_held() { Verdict::Contained } else { Verdict::Clash });
         }
         // A thin part that only rounding keeps from being contained.
+        let is_in_box = is_in(&p, &q, within_b) || is_in(&q, &p, within_a);
         let are_closed = a.is_closed() && b.is_closed();
-        let is_in_box = is_in(&p, &q, rounding) || is_in(&q, &p, rounding);
         if are_closed && contact > rounding && is_in_box && is_deeper([&a, &b], rounding) && is_held() {
             return Some(Verdict::Contained);
         }

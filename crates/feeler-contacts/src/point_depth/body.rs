@@ -12,7 +12,7 @@ use feeler_core::{Aabb, Point, Triangle};
 
 use super::border::Border;
 use super::tree::Tree;
-use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS};
+use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS, WIDEST_SEAM};
 
 /// A little more than 1: above the rounding of heights over planes. It bounds no distance, only the search.
 const ABOVE: f64 = 1.0 + 1e-6;
@@ -46,6 +46,7 @@ pub struct Body {
     tree: Tree,
     has_cracks: bool,
     is_loose: bool,
+    looseness: f64,
     is_closed: bool,
     /// As [`Adjacency::neighbours`], by the places of its triangles; empty if it is closed.
     neighbours: Vec<[u32; 3]>,
@@ -67,7 +68,9 @@ impl Body {
         let triangles: Vec<Triangle> = order.iter().map(|i| moved[*i as usize]).collect();
         drop(moved);
         let is_closed = senses.iter().any(|sense| *sense != 0);
-        let neighbours = if is_closed { Vec::new() } else { neighbours_of(&numbers, &order, adjacency) };
+        let is_loose = adjacency.has_cracks || adjacency.has_loose_seams;
+        let neighbours = if is_closed && !is_loose { Vec::new() } else { neighbours_of(&numbers, &order, adjacency) };
+        let looseness = if is_loose { widest_seam(&triangles, &neighbours, bounds.longest()) } else { 0.0 };
         Body {
             origin,
             rounding: (BODY_ROUNDING * bounds.largest_coordinate()).max(SURFACE_ROUNDOFFS * last_place(&world)),
@@ -75,12 +78,13 @@ impl Body {
             planes: triangles.iter().map(plane_of).collect(),
             triangles,
             is_closed,
-            neighbours,
+            neighbours: if is_closed { Vec::new() } else { neighbours },
             border: OnceLock::new(),
             senses,
             tree,
             has_cracks: adjacency.has_cracks,
-            is_loose: adjacency.has_cracks || adjacency.has_loose_seams,
+            is_loose,
+            looseness,
         }
     }
 
@@ -107,6 +111,11 @@ impl Body {
     /// Whether its surface may have gaps, in seams and cracks: a point near it may be on either side of it.
     pub fn is_loose(&self) -> bool {
         self.is_loose
+    }
+
+    /// How wide the gaps in its seams are at most, metres; 0 without any.
+    pub fn looseness(&self) -> f64 {
+        self.looseness
     }
 
     /// How many triangles it has.
@@ -257,6 +266,21 @@ fn neighbours_of(numbers: &[u32], order: &[u32], adjacency: &Adjacency) -> Vec<[
     let places: HashMap<u32, u32> = order.iter().zip(0..).map(|(i, place)| (numbers[*i as usize], place)).collect();
     let place = |number: u32| places.get(&number).copied().unwrap_or(NONE);
     order.iter().map(|i| adjacency.neighbours[numbers[*i as usize] as usize].map(place)).collect()
+}
+
+/// How far corners are at most from the triangles beside their edges, as far as these are within the looseness of a seam.
+fn widest_seam(triangles: &[Triangle], neighbours: &[[u32; 3]], longest: f64) -> f64 {
+    let mut widest = 0.0f64;
+    for (t, beside) in triangles.iter().zip(neighbours) {
+        for k in (0..3).filter(|k| beside[*k] != NONE) {
+            let other = &triangles[beside[k] as usize];
+            let gap = [t[k], t[(k + 1) % 3]].iter().map(|p| distance_to(p, other)).fold(0.0, f64::max);
+            if gap <= WIDEST_SEAM * longest {
+                widest = widest.max(gap);
+            }
+        }
+    }
+    widest
 }
 
 fn plane_of(t: &Triangle) -> [f64; 4] {

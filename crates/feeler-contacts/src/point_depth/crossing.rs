@@ -11,10 +11,10 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use feeler_core::constants::NONE;
-use feeler_core::geometry::vectors::{add, along, cross, dot, length, precise_normal, scaled, sub, unit};
+use feeler_core::geometry::vectors::{add, along, cross, dot, length, precise_normal, scaled, square_to_segment, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
 
-use super::body::{Body, Closest};
+use super::body::{distance_to, Body, Closest};
 use super::depth::PointDepth;
 use crate::constants::{LEAST_CROSSING_SINE, MOST_CROSSING_POINTS, MOST_CROSSING_STEPS};
 
@@ -157,9 +157,8 @@ impl Search<'_> {
                 return 0.0;
             }
             let aside = cross(&line, normal);
-            let ways = [1.0, -1.0].map(|sign| walk.far(&from, own, &scaled(&aside, sign)));
-            let sides = [0, 1].map(|way: usize| dot(across, &ways[way].1));
-            if sides[0] * sides[1] >= 0.0 {
+            let ways = [1.0, -1.0].map(|sign| walk.far(&from, own, &scaled(&aside, sign), across));
+            if ways[0].1 * ways[1].1 >= 0 {
                 return 0.0;
             }
             least.min(ways[0].0).min(ways[1].0)
@@ -178,17 +177,20 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// How far from the other surface the walk comes, and its first direction. It ends at the border, where it meets the other again,
-    /// and where no point in the middle of the other is closest any more.
-    fn far(&self, from: &Point, triangle: u32, direction: &Point) -> (f64, Point) {
+    /// How far from the other surface the walk comes, and on which side of it, as a normal of the other says where the walk begins. It
+    /// ends at the border, where it meets the other again, and where no point in the middle of the other is closest any more.
+    fn far(&self, from: &Point, triangle: u32, direction: &Point, normal: &Point) -> (f64, i32) {
         let least = self.surface.rounding().max(self.other.rounding());
         let (mut p, mut i, mut d) = (*from, triangle, *direction);
-        let (mut far, mut first, mut last) = (0.0f64, None, u32::MAX);
+        let (mut far, mut side, mut last) = (0.0f64, None, u32::MAX);
         for _ in 0..MOST_CROSSING_STEPS {
             let Some((step, k)) = exit(self.surface.triangle(i), &p, &d) else { break };
             let end = along(&p, step, &d);
             if step > least {
-                first.get_or_insert(d);
+                let lean = dot(normal, &d);
+                if side.is_none() && lean.abs() > LEAST_CROSSING_SINE {
+                    side = Some(lean.signum() as i32);
+                }
                 let Some(closest) = self.over(&end, last) else {
                     far = far.max(self.until_aside(&p, &end, last));
                     break;
@@ -196,6 +198,9 @@ impl Walk<'_> {
                 last = closest.triangle;
                 if closest.distance <= least && far > 2.0 * least {
                     break;
+                }
+                if side.is_none() && closest.distance > 2.0 * least {
+                    side = Some(self.side_beyond(&p, &end, &d, normal));
                 }
                 far = far.max(closest.distance);
                 if far >= self.most {
@@ -209,7 +214,44 @@ impl Walk<'_> {
             let Some(turned) = self.over_edge(i, k, next, &d) else { break };
             (p, i, d) = (end, next, turned);
         }
-        (far, first.unwrap_or([0.0; 3]))
+        (far, side.unwrap_or(0))
+    }
+
+    /// On which side a walk in the plane of the other surface leaves it, over an edge at which that turns away.
+    fn side_beyond(&self, p: &Point, end: &Point, direction: &Point, normal: &Point) -> i32 {
+        let least = 2.0 * self.surface.rounding().max(self.other.rounding());
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..2 * HALVINGS {
+            let middle = 0.5 * (low + high);
+            let is_on = self.distance(&along(p, middle, &sub(end, p))) <= least;
+            *(if is_on { &mut low } else { &mut high }) = middle;
+        }
+        let at = add(&along(p, low, &sub(end, p)), &self.shift);
+        let within = least + 4.0 * (high - low) * length(&sub(end, p));
+        let around = Aabb { lower: at.map(|x| x - within), upper: at.map(|x| x + within) };
+        let body = self.other;
+        let side = body.find_overlapping(&around, |i| {
+            let level = dot(&precise_normal(body.triangle(i))?, normal);
+            if level.abs() < 1.0 - LEAST_CROSSING_SINE || distance_to(&at, body.triangle(i)) > within {
+                return None;
+            }
+            (0..3).find_map(|k| {
+                let next = body.neighbours(i)[k];
+                let t = body.triangle(i);
+                if next == NONE || square_to_segment(&at, &t[k], &t[(k + 1) % 3]).sqrt() > within {
+                    return None;
+                }
+                let n = precise_normal(body.triangle(next))?;
+                let sense = if is_wound_alike([t[k], t[(k + 1) % 3]], body.triangle(next)) { 1.0 } else { -1.0 };
+                let lean = sense * level.signum() * dot(&n, direction);
+                (lean.abs() > LEAST_CROSSING_SINE).then_some(lean.signum() as i32)
+            })
+        });
+        side.unwrap_or(0)
+    }
+
+    fn distance(&self, p: &Point) -> f64 {
+        self.other.closest(&add(p, &self.shift), f64::INFINITY).map_or(f64::INFINITY, |closest| closest.distance)
     }
 
     /// The closest point of the other surface, if it is not on the border.
@@ -245,6 +287,15 @@ impl Walk<'_> {
         let share = dot(direction, &edge);
         Some(along(&scaled(&edge, share), (1.0 - share * share).max(0.0).sqrt(), &unit(farthest)?))
     }
+}
+
+/// Whether a triangle runs along an edge of its neighbour the other way, as in a surface wound in one sense.
+fn is_wound_alike(edge: [Point; 2], t: &Triangle) -> bool {
+    let ends = edge.map(|p| {
+        let near = |i: &usize, j: &usize| length(&sub(&t[*i], &p)).total_cmp(&length(&sub(&t[*j], &p)));
+        (0..3).min_by(near).unwrap_or(0)
+    });
+    (ends[1] + 1) % 3 == ends[0]
 }
 
 /// After how long a way in its plane a point leaves a triangle, and over which edge.

@@ -5,7 +5,7 @@ use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{distance_to, Body};
 use super::depth::{point_depth_from, PointDepth};
-use crate::constants::{NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE};
+use crate::constants::{NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE};
 
 /// Whether two bodies clash as thin walls, although no point of either is deeper than `contact` (metres) in the other: they cross, or
 /// share more than `contact` of their thickness side by side.
@@ -49,43 +49,46 @@ fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> 
 /// Whether two bodies share more than `contact` (metres) of the thickness of a wall, by the deepest point of the one: it lies in the middle
 /// between two faces of the other, the wall. Of walls side by side the surfaces need not cross.
 fn is_side_by_side(own: &Body, wall: &Body, contact: f64, found: &PointDepth) -> bool {
-    let Some([on_own, on_wall]) = found.points else { return false };
-    // A wall of less is shared by less, too.
+    let Some([deepest, _]) = found.points else { return false };
+    // A wall that is thinner is shared by less, too.
     if 2.0 * found.depth < WALL_MIDDLE * contact {
         return false;
     }
-    let Some(across) = unit(&sub(&on_wall, &on_own)) else { return false };
-    let to_own = |p: &Point| sub(p, own.origin());
-    let Some(inward) = inward_along(own, &to_own(&on_own), &across) else { return false };
-    // As far into the one body as the deepest point is surely inside the other.
-    let p = along(&on_own, SIDE_STEP * found.depth, &inward);
-    let reach = 2.0 * (found.depth / WALL_MIDDLE);
-    let far = |sign: f64| {
-        let end = along(&p, sign * reach, &across);
-        [own, wall].map(|body| nearest_face([&sub(&p, body.origin()), &sub(&end, body.origin())], body))
+    let reach = found.depth / WALL_MIDDLE;
+    let shares_thickness = |across: &Point| {
+        let Some(inward) = inward_along(own, &sub(&deepest, own.origin()), across) else { return false };
+        // As far into the one body as the deepest point is surely inside the other.
+        let p = along(&deepest, SIDE_STEP * found.depth, &inward);
+        let far = |sign: f64| {
+            let end = along(&p, 2.0 * sign * reach, across);
+            [own, wall].map(|body| nearest_face([&sub(&p, body.origin()), &sub(&end, body.origin())], body))
+        };
+        let ways = [far(1.0), far(-1.0)];
+        let thickness = ways[0][1] + ways[1][1];
+        let shared = ways.iter().map(|[of_own, of_wall]| of_own.min(*of_wall)).sum::<f64>();
+        let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
+        thickness <= 2.0 * reach && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
     };
-    let ways = [far(1.0), far(-1.0)];
-    let thickness = ways[0][1] + ways[1][1];
-    let shared = ways.iter().map(|[of_own, of_wall]| of_own.min(*of_wall)).sum::<f64>();
-    let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
-    thickness <= reach && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
+    // The rim of the wall may be as near as its faces.
+    normals_near(wall, &sub(&deepest, wall.origin()), reach).iter().any(shares_thickness)
+}
+
+/// The outward normals of the faces of a body within a distance of a point, each once.
+fn normals_near(body: &Body, p: &Point, within: f64) -> Vec<Point> {
+    let around = Aabb { lower: p.map(|x| x - within), upper: p.map(|x| x + within) };
+    let mut found: Vec<Point> = Vec::new();
+    body.find_overlapping(&around, |i| {
+        let outward = body.outward(i).filter(|n| !found.iter().any(|m| dot(m, n) > SAME_FACE_NORMAL));
+        found.extend(outward.filter(|_| distance_to(p, body.triangle(i)) <= within));
+        None::<()>
+    });
+    found
 }
 
 /// The direction into a body across a normal, from a point of its surface; `None` where the surface there runs across the normal itself.
 fn inward_along(body: &Body, at: &Point, normal: &Point) -> Option<Point> {
     let within = 4.0 * body.rounding() + 1e-9 * body.bounds().longest();
-    let around = Aabb { lower: at.map(|x| x - within), upper: at.map(|x| x + within) };
-    let mut faces: Vec<Point> = Vec::new();
-    body.find_overlapping(&around, |i| {
-        if distance_to(at, body.triangle(i)) <= within {
-            if let Some(outward) = body.outward(i) {
-                if !faces.iter().any(|n| dot(n, &outward) > 1.0 - 1e-9) {
-                    faces.push(outward);
-                }
-            }
-        }
-        None::<()>
-    });
+    let faces = normals_near(body, at, within);
     let sum = faces.iter().fold([0.0; 3], |sum, n| sub(&sum, n));
     let level = along(&sum, -dot(&sum, normal), normal);
     (length(&level) > 0.1 * length(&sum)).then(|| unit(&level)).flatten()
