@@ -162,12 +162,12 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
     is_deep = is_known & is_contact & meet & (columns.depth > contact) & ~(contact >= was)
     is_sheet = is_known & (verdict == Verdict.CONTAINED.code) & columns.is_open.any(axis=1) & (columns.depth <= contact)
     verdict[is_sheet] = Verdict.CONTACT.code
-    boxes = _boxes(clashes, columns, np.flatnonzero(is_deep))
-    is_deep[is_deep] = columns.depth[is_deep] > _ROUNDOFFS * np.spacing(np.abs(boxes).max(axis=(1, 2, 3), initial=0.0))
+    is_deep[is_deep] = columns.depth[is_deep] > _rounding(clashes, columns, np.flatnonzero(is_deep))
     verdict[is_shallow] = Verdict.CONTACT.code
     verdict[is_deep] = Verdict.CLASH.code
     apart = np.flatnonzero(is_known & ((verdict == Verdict.CLEARANCE.code) | (is_contact & ~meet)))
-    verdict[apart] = np.where(columns.gap[apart] <= contact[apart], Verdict.CONTACT.code, Verdict.CLEARANCE.code)
+    touch = np.maximum(contact[apart], _rounding(clashes, columns, apart))
+    verdict[apart] = np.where(columns.gap[apart] <= touch, Verdict.CONTACT.code, Verdict.CLEARANCE.code)
     is_far = (verdict == Verdict.CLEARANCE.code) & (columns.gap > clearance)
     translation = np.where((verdict == Verdict.CONTACT.code)[:, None], 0.0, columns.translation)
     translation[is_deep] = np.nan
@@ -189,6 +189,12 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
         if (count := int(np.count_nonzero(rows)))
     ]
     return _Judged(replace(columns, verdict=verdict, translation=translation), is_far, tuple(notes))
+
+
+def _rounding(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
+    """The least contact of some rows, metres, `(k,)`: the rounding of their largest coordinate."""
+    largest = np.abs(_boxes(clashes, columns, rows)).max(axis=(1, 2, 3), initial=0.0)
+    return np.asarray(_ROUNDOFFS * np.spacing(largest))
 
 
 def _boxes(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:

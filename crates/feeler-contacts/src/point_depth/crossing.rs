@@ -339,3 +339,69 @@ fn shared_segment(t: &Triangle, u: &Triangle, least: f64) -> Option<[Point; 2]> 
     }
     (high - low > 4.0 * least).then(|| [low, high].map(|at| along(&origin, at, &line)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{body, placed};
+    use super::*;
+    use feeler_shapes::random::Random;
+    use feeler_shapes::{joined, sheet, Arrays};
+
+    /// A parallelogram at a corner, cut into cells.
+    fn plate(at: Point, u: Point, v: Point, cells: usize) -> Arrays {
+        sheet(cells, cells, |s, t| std::array::from_fn(|a| at[a] + s * u[a] + t * v[a]))
+    }
+
+    /// Checks a depth at some turns, either way round, cut finely and not.
+    fn assert_depth(p: impl Fn(usize) -> Arrays, q: impl Fn(usize) -> Arrays, expected: f64, what: &str) {
+        let mut r = Random::new(9);
+        let mut still = r.motion(0.0);
+        (0..12).for_each(|n| still[n / 4][n % 4] = if n % 4 == n / 4 { 1.0 } else { 0.0 });
+        for m in [still, r.motion(1.0), r.motion(100.0)] {
+            for cells in [[1, 1], [2, 1], [3, 4]] {
+                let [a, b] = [placed(p(cells[0]), &m), placed(q(cells[1]), &m)].map(body);
+                for pair in [[&a, &b], [&b, &a]] {
+                    let found = crossing_depth(pair);
+                    assert!((found.depth - expected).abs() <= 2e-3 * expected + 1e-11, "{what}, {cells:?}: {found:?}");
+                    assert!(found.error.is_nan() && found.points.is_some() == (found.depth > 0.0));
+                }
+            }
+        }
+    }
+
+    fn floor(cells: usize) -> Arrays {
+        plate([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], cells)
+    }
+
+    #[test]
+    fn sheets_are_as_deep_as_they_reach_through() {
+        for depth in [1e-6, 1e-3, 0.2] {
+            let tongue = |cells| plate([0.1, -0.5, -depth], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0], cells);
+            assert_depth(floor, tongue, depth, "a tongue");
+            let wide = |cells| plate([0.1, -3.0, -depth], [0.0, 6.0, 0.0], [0.0, 0.0, 2.0], cells);
+            assert_depth(floor, wide, depth, "a wide tongue");
+        }
+        let through = |cells| plate([0.0, -0.5, -1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0], cells);
+        assert_depth(floor, through, 0.5, "a sheet right through");
+        let leaning = |cells| plate([-0.5, -0.5, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 2.0], cells);
+        assert_depth(floor, leaning, 0.5, "a leaning sheet right through");
+        // Cards that are pushed into each other by an edge.
+        let card = |cells| plate([0.1, 0.75, -0.5], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], cells);
+        assert_depth(floor, card, 0.125, "cards");
+    }
+
+    #[test]
+    fn sheets_that_end_on_each_other_do_not_cross() {
+        let web = |cells| plate([0.1, -0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], cells);
+        assert_depth(floor, web, 0.0, "a web");
+        let flange = |far: f64| move |cells| plate([0.1, -0.5, 0.0], [far, 0.0, 0.0], [0.0, 1.0, 0.0], cells);
+        assert_depth(floor, |cells| joined([web(cells), flange(0.4)(cells)]), 0.0, "an angle");
+        assert_depth(floor, flange(0.4), 0.0, "a sheet on it");
+        assert_depth(floor, flange(4.0), 0.0, "a sheet over its border");
+        // Where the floor turns down, the angle on it goes on outside; where it turns up, through it.
+        for (turn, expected) in [(-1.0, 0.0), (1.0, 0.5)] {
+            let bent = |cells| joined([floor(cells), plate([1.0, -1.0, 0.0], [0.0, 0.0, turn], [0.0, 2.0, 0.0], cells)]);
+            assert_depth(bent, |cells| joined([web(cells), flange(4.0)(cells)]), expected, "an angle over an edge");
+        }
+    }
+}

@@ -67,7 +67,8 @@ fn is_side_by_side(own: &Body, wall: &Body, contact: f64, found: &PointDepth) ->
         let thickness = ways[0][1] + ways[1][1];
         let shared = ways.iter().map(|[of_own, of_wall]| of_own.min(*of_wall)).sum::<f64>();
         let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
-        thickness <= 2.0 * reach && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
+        let most = 2.0 * reach.min(contact + own.rounding().max(wall.rounding()));
+        thickness <= most && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
     };
     // The rim of the wall may be as near as its faces.
     normals_near(wall, &sub(&deepest, wall.origin()), reach).iter().any(shares_thickness)
@@ -318,6 +319,23 @@ mod tests {
         let [a, b] = [block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], 1), block([-0.04, -0.6, -0.7], [0.04, 0.5, 0.8], 1)]
             .map(body);
         assert!(are_walls_clashing([&a, &b], 0.0501) && !are_walls_clashing([&a, &b], 0.0499));
+    }
+
+    #[test]
+    fn walls_side_by_side_clash_if_they_share_more_than_contact_of_their_thickness() {
+        let sheet = |low: [f64; 2], high: [f64; 2], shift: f64, thick: f64| {
+            move |cells| block([low[0], low[1], shift], [high[0], high[1], shift + thick], cells)
+        };
+        // `contact` is 1 in `are_crossing`. Edges in line, and not.
+        for (low, high) in [([40.0, 0.0], [120.0, 100.0]), ([40.0, 20.0], [120.0, 150.0]), ([2.0, 0.0], [102.0, 100.0])] {
+            for (shift, thick, is_clash) in [(0.0, 1.9, true), (0.0, 0.9, false), (0.5, 1.8, true), (0.9, 1.8, false)] {
+                let is_crossing = are_crossing(sheet([0.0; 2], [100.0; 2], 0.0, thick), sheet(low, high, shift, thick));
+                assert_eq!(is_crossing, is_clash, "{low:?} {high:?} {shift} {thick}");
+            }
+        }
+        // Less than a contact deep from the edge.
+        let less = sheet([99.2, 0.0], [200.0, 100.0], 0.0, 1.9);
+        assert!(!are_crossing(sheet([0.0; 2], [100.0; 2], 0.0, 1.9), less));
     }
 
     #[test]
