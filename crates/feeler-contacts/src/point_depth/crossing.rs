@@ -11,7 +11,9 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use feeler_core::constants::NONE;
-use feeler_core::geometry::vectors::{add, along, cross, dot, length, precise_normal, scaled, square_to_segment, sub, unit};
+use feeler_core::geometry::vectors::{
+    add, along, cross, dot, length, precise_normal, scaled, square_to_segment, sub, unit,
+};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{distance_to, Body, Closest};
@@ -400,7 +402,8 @@ mod tests {
         assert_depth(floor, flange(4.0), 0.0, "a sheet over its border");
         // Where the floor turns down, the angle on it goes on outside; where it turns up, through it.
         for (turn, expected) in [(-1.0, 0.0), (1.0, 0.5)] {
-            let bent = |cells| joined([floor(cells), plate([1.0, -1.0, 0.0], [0.0, 0.0, turn], [0.0, 2.0, 0.0], cells)]);
+            let bent =
+                |cells| joined([floor(cells), plate([1.0, -1.0, 0.0], [0.0, 0.0, turn], [0.0, 2.0, 0.0], cells)]);
             assert_depth(bent, |cells| joined([web(cells), flange(4.0)(cells)]), expected, "an angle over an edge");
         }
     }

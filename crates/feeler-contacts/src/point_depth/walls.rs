@@ -5,7 +5,9 @@ use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{distance_to, Body};
 use super::depth::{point_depth_from, PointDepth};
-use crate::constants::{NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE};
+use crate::constants::{
+    NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE,
+};
 
 /// Whether two bodies clash as thin walls, although no point of either is deeper than `contact` (metres) in the other: they cross, or
 /// share more than `contact` of their thickness side by side.
@@ -327,7 +329,8 @@ mod tests {
             move |cells| block([low[0], low[1], shift], [high[0], high[1], shift + thick], cells)
         };
         // `contact` is 1 in `are_crossing`. Edges in line, and not.
-        for (low, high) in [([40.0, 0.0], [120.0, 100.0]), ([40.0, 20.0], [120.0, 150.0]), ([2.0, 0.0], [102.0, 100.0])] {
+        for (low, high) in [([40.0, 0.0], [120.0, 100.0]), ([40.0, 20.0], [120.0, 150.0]), ([2.0, 0.0], [102.0, 100.0])]
+        {
             for (shift, thick, is_clash) in [(0.0, 1.9, true), (0.0, 0.9, false), (0.5, 1.8, true), (0.9, 1.8, false)] {
                 let is_crossing = are_crossing(sheet([0.0; 2], [100.0; 2], 0.0, thick), sheet(low, high, shift, thick));
                 assert_eq!(is_crossing, is_clash, "{low:?} {high:?} {shift} {thick}");
