@@ -3,7 +3,6 @@
 use feeler_lanes::mixed;
 use once_cell::race::OnceBox;
 
-use super::location::is_within;
 use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::mockup::Mockup;
@@ -219,7 +218,7 @@ impl Default for ConnectedSurface {
 impl ConnectedSurface {
     /// Grows by a corner. Of those that the box grew by, the last ones stay.
     pub fn add(&mut self, corner: &Point) {
-        if is_within(&self.bounds, corner) {
+        if self.bounds.is_overlapping(&Aabb { lower: *corner, upper: *corner }) {
             return;
         }
         self.bounds.grow(corner);
