@@ -115,7 +115,9 @@ def test_a_smaller_contact_needs_another_check(mockup: feeler.Mockup) -> None:
     (note,) = tried.facts.notes
     assert note.startswith("2 contacts are clashes by these rules") and "their translation is not known" in note
     assert np.isnan(tried.translations).all(axis=1).sum() == 2
-    assert wide.with_rules(Rules((Rule("all", "*", contact=0.2),))).facts.notes == ()
+    assert wide.with_rules(Rules((Rule("all", "*", contact=0.1),))).facts.notes == ()
+    (note,) = wide.with_rules(Rules((Rule("all", "*", contact=0.2),))).facts.notes
+    assert "rule 'all' asks for 200 mm, but some pairs were checked only within 100 mm" in note
 
 
 def test_rounding_makes_no_clash(mockup: feeler.Mockup) -> None:
@@ -135,7 +137,8 @@ def test_walls_that_pierce_each_other_stay_a_clash(mockup: feeler.Mockup) -> Non
     tried = found.with_rules(Rules((Rule("all", "*", contact=0.005),)))
     verdicts = dict(zip(tried.parts_b.tolist(), tried.verdicts.tolist(), strict=True))
     assert verdicts == {1: Verdict.CLASH, 2: Verdict.CONTACT, 3: Verdict.CONTACT}
-    (note,) = tried.facts.notes
+    far, note = tried.facts.notes
+    assert "asks for 5 mm" in far
     assert note.startswith("1 clashes count as contacts by their depth, but may be thin walls that cross")
 
 

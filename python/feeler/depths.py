@@ -25,10 +25,10 @@ class Depths:
     depths: npt.NDArray[np.float64]
     """`(k,)`: how far the deepest point of one surface lies inside the other part: a lower bound. 0 for contact."""
     errors: npt.NDArray[np.float64]
-    """`(k,)`: how much larger the depth can be: at most a thousandth of it, or a nanometre."""
+    """`(k,)`: how much larger the depth can be: at most a thousandth of it, or a nanometre; NaN for two open parts."""
     is_estimate: npt.NDArray[np.bool_]
-    """`(k,)`: one of the two is open, so that only points of the open surface inside the closed part count; for two
-    open parts the depth is 0."""
+    """`(k,)`: one of the two is open, so that only points of the open surface inside the closed part count; of two open
+    parts the depth is how far their surfaces cross."""
     points_on_tool: npt.NDArray[np.float64]
     """`(k, 3)`: the point of the tool where the depth is measured."""
     points_on_mockup: npt.NDArray[np.float64]

@@ -446,3 +446,27 @@ pub const NEEDLE_RAYS: u32 = 16;
 
 /// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
 pub const WALL_MIDDLE: f64 = 0.98;
+
+/// Sine of the angle between two triangles of open surfaces below which they do not cross, as nearly in one plane. Smaller: rounding
+/// decides where they cross.
+pub const LEAST_CROSSING_SINE: f64 = 1e-6;
+
+/// Most points where two open surfaces cross that are measured. Smaller: crossings of fine surfaces may be told too shallow.
+pub const MOST_CROSSING_POINTS: usize = 512;
+
+/// Most triangles that a walk over an open surface goes through.
+pub const MOST_CROSSING_STEPS: usize = 4096;
+
+/// Share of the depth of a point in the middle of a wall by which walls side by side are looked at farther in; below 1. Larger: two walls
+/// have to overlap farther.
+pub const SIDE_STEP: f64 = 0.5;
+
+/// The multiple of `contact` that walls side by side share of their thickness to clash; above 1 by more than the error of depths.
+pub const SIDE_EXCESS: f64 = 1.0 + 2e-3;
+
+/// Share of a body's size above which a gap is no seam: twice that within which the topology closes seams. Larger: gaps at cracks count
+/// as loose seams.
+pub const WIDEST_SEAM: f64 = 4e-6;
+
+/// The multiple of the gaps in its seams by which what a body contains may stick out of it; the depth has to be this many times more.
+pub const SEAM_EXCESS: f64 = 4.0;

@@ -25,6 +25,12 @@ _ROUNDOFFS = 32.0
 """`COORDINATE_ROUNDOFFS` of the core: parts touch if their depth is at most this many units in the last place of the
 largest coordinate."""
 
+_WALL_LENGTH = 1.5
+"""The multiple of its depth above which the translation of a pair may be that of thin walls that cross."""
+
+_WALL_MIDDLE = 0.98
+"""`WALL_MIDDLE` of the core: from this share of half a wall's thickness on, a point is in its middle."""
+
 
 def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTable:
     """See `Clashes.with_rules`."""
@@ -90,16 +96,25 @@ def _limits(clashes: Table, rules: Rules, mockup: Mockup | None) -> tuple[Limits
     for name, hidden in clashes.hidden.items():
         if hidden:
             notes.append(f"{hidden:,} findings that {name!r} hid are missing here. Check the mock-up to see them")
-    least = min([facts.clearance, *(clearance for _, clearance, _ in facts.rules)])
+    least = _least_reach(clashes)
     for each in rules.rules:
-        if each.clearance is not None and each.clearance > least:
+        asked = max((x for x in (each.clearance, each.contact) if isinstance(x, float | int)), default=0.0)
+        if asked > least:
             notes.append(
-                f"rule {each.name!r} asks for {length(each.clearance)}, but some pairs were checked only within "
+                f"rule {each.name!r} asks for {length(asked)}, but some pairs were checked only within "
                 f"{length(least)}: farther ones are missing. Check the mock-up again with this rule"
             )
     shaped = None if mockup is None else shape_of(mockup)
     none = np.empty((0, 2), dtype=np.uint32)
     return limits(rules, parts, paths, facts.clearance, 0.0, 0.0, none, shaped), notes
+
+
+def _least_reach(clashes: Table) -> float:
+    """Within which distance the check looked at every pair, metres: clearance or contact, whichever is more."""
+    facts = clashes.facts
+    if facts.rules:
+        return min(max(clearance, contact) for _, clearance, contact in facts.rules)
+    return max(facts.clearance, facts.contact if isinstance(facts.contact, float | int) else 0.0)
 
 
 def _asked(clashes: Table, rule: Rule) -> tuple[float, float]:
@@ -130,7 +145,8 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
     """The verdicts under the new rules, from depth and gap.
 
     A verdict stays if the contact of its rule is "chord", which needs the mock-up. Thin walls that cross stay a clash,
-    although their depth is at most `contact` (see `Verdict.CLASH`). Contained parts and duplicates keep their verdict.
+    although their depth is at most `contact` (see `Verdict.CLASH`). Contained parts and duplicates keep their verdict;
+    an open part that is no deeper than `contact` in another becomes a contact.
     """
     if not len(columns.a):
         return _Judged(columns, np.zeros(0, dtype=bool))
@@ -139,26 +155,32 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
     was = np.array([before.get(clashes.rule_names[each], default) for each in columns.rule.tolist()])
     verdict = columns.verdict.copy()
     is_known = ~np.isnan(contact)
-    meet = columns.gap == 0.0
+    meet = (columns.gap == 0.0) | (columns.depth > 0.0)
     is_clash, is_contact = verdict == Verdict.CLASH.code, verdict == Verdict.CONTACT.code
     is_pierced = is_clash & (columns.depth <= was)
     is_shallow = is_known & is_clash & ~is_pierced & (columns.depth <= contact)
     is_deep = is_known & is_contact & meet & (columns.depth > contact) & ~(contact >= was)
-    boxes = _boxes(clashes, columns, np.flatnonzero(is_deep))
-    is_deep[is_deep] = columns.depth[is_deep] > _ROUNDOFFS * np.spacing(np.abs(boxes).max(axis=(1, 2, 3), initial=0.0))
+    is_sheet = is_known & (verdict == Verdict.CONTAINED.code) & columns.is_open.any(axis=1) & (columns.depth <= contact)
+    verdict[is_sheet] = Verdict.CONTACT.code
+    is_deep[is_deep] = columns.depth[is_deep] > _rounding(clashes, columns, np.flatnonzero(is_deep))
     verdict[is_shallow] = Verdict.CONTACT.code
     verdict[is_deep] = Verdict.CLASH.code
     apart = np.flatnonzero(is_known & ((verdict == Verdict.CLEARANCE.code) | (is_contact & ~meet)))
-    verdict[apart] = np.where(columns.gap[apart] <= contact[apart], Verdict.CONTACT.code, Verdict.CLEARANCE.code)
+    touch = np.maximum(contact[apart], _rounding(clashes, columns, apart))
+    verdict[apart] = np.where(columns.gap[apart] <= touch, Verdict.CONTACT.code, Verdict.CLEARANCE.code)
     is_far = (verdict == Verdict.CLEARANCE.code) & (columns.gap > clearance)
     translation = np.where((verdict == Verdict.CONTACT.code)[:, None], 0.0, columns.translation)
     translation[is_deep] = np.nan
     is_old = is_known & is_contact & meet & ~(contact >= was) & (columns.depth == 0.0)
     is_old &= columns.depth_kind == DEPTH_KINDS.index("estimate")
-    is_long = is_shallow & (np.linalg.norm(columns.translation, axis=1) > contact)
+    # The translation of thin walls is longer than they are deep.
+    reach = np.minimum(contact, _WALL_LENGTH * columns.depth)
+    is_long = is_shallow & (np.linalg.norm(columns.translation, axis=1) > reach)
+    is_thin = is_known & is_contact & meet & ~is_deep & (contact < was) & (2.0 * columns.depth > _WALL_MIDDLE * contact)
     doubts = [
         (is_old, "contacts may be clashes by these rules: the file lacks their depth"),
         (is_long, "clashes count as contacts by their depth, but may be thin walls that cross"),
+        (is_thin, "contacts may be clashes by these rules, as walls that share more than contact of their thickness"),
         (is_deep, "contacts are clashes by these rules, but may be contained parts: their translation is not known"),
     ]
     notes = [
@@ -167,6 +189,12 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
         if (count := int(np.count_nonzero(rows)))
     ]
     return _Judged(replace(columns, verdict=verdict, translation=translation), is_far, tuple(notes))
+
+
+def _rounding(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
+    """The least contact of some rows, metres, `(k,)`: the rounding of their largest coordinate."""
+    largest = np.abs(_boxes(clashes, columns, rows)).max(axis=(1, 2, 3), initial=0.0)
+    return np.asarray(_ROUNDOFFS * np.spacing(largest))
 
 
 def _boxes(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:

@@ -11,13 +11,13 @@ class Verdict(CodedEnum):
     """The relation of two parts: words, with numbers (`.code`) from 0 on in their order."""
 
     CLASH = "clash"
-    """They collide and are deeper than `contact`, or they are thin walls that cross."""
+    """They collide and are deeper than `contact`, or they are thin walls that cross or share their thickness."""
     CONTACT = "contact"
     """They collide and are at most `contact` deep, or they are at most `contact` apart."""
     CLEARANCE = "clearance"
     """They are farther apart than `contact`, but at most `clearance`."""
     CONTAINED = "contained"
-    """They do not cross; one is closed and contains the other."""
+    """They do not cross; one is closed and contains the other, which is closed or deeper than `contact`."""
     DUPLICATE = "duplicate"
     """They have the same surface, however it is cut into triangles."""
 

@@ -8,7 +8,8 @@ use crate::point_depth::depth::DepthKind;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Verdict {
-    /// They meet, and their depth is more than contact allows; or both are thin walls, and each goes through the other.
+    /// They meet, and their depth is more than contact allows; or both are thin walls that go
+    /// through each other, or share more than contact allows of their thickness.
     Clash = 0,
     /// They meet and are no deeper than that, or the gap between them is no more.
     Contact = 1,
@@ -31,7 +32,7 @@ pub struct Clash {
     /// How deep they are in each other, metres: the farthest that a point of one surface is inside the other part. This is a lower bound,
     /// NaN where the search was stopped before it was measured; 0 where they only touch or are apart.
     pub depth: f64,
-    /// How much more the depth can be, metres: no more than a thousandth of it, or a nanometre; NaN of an estimate by contact planes.
+    /// How much more the depth can be, metres: no more than a thousandth of it, or a nanometre; NaN of two open surfaces.
     pub depth_error: f64,
     /// The kind of the depth.
     pub kind: DepthKind,

@@ -21,6 +21,7 @@ use super::row::{Clash, Verdict};
 use super::verdicts::{Judge, Related, Relation};
 use super::way_out::{shared_box, touching_points, Met, Pair, WayOut};
 use crate::point_depth::bodies::Bodies;
+use crate::point_depth::crossing::crossing_depth;
 use crate::point_depth::depth::{point_depth, DepthKind, PointDepth};
 use crate::solver::ContactSolver;
 
@@ -294,32 +295,24 @@ impl<'a> ClashSearch<'a> {
         let [a, b] = judge.bodies_of(parts);
         let bodies = if part == parts[0] { [&*a, &*b] } else { [&*b, &*a] };
         let pair = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other], bodies };
-        let is_measured = a.is_closed() || b.is_closed();
-        let mut by_points = if verdict == Some(Verdict::Duplicate) {
+        let by_points = if verdict == Some(Verdict::Duplicate) {
             // Neither surface is farther from the other than that.
             PointDepth { depth: 0.0, error: self.limits.rounding(parts[0], parts[1]), points: None }
-        } else {
+        } else if a.is_closed() || b.is_closed() {
             point_depth([&a, &b])
+        } else {
+            crossing_depth([&a, &b])
         };
+        let is_shallow = || by_points.depth <= self.limits.contact(parts[0], parts[1]);
+        let verdict = verdict.unwrap_or_else(|| if is_shallow() { Verdict::Contact } else { Verdict::Clash });
         let kind = if is_open == [false; 2] { DepthKind::Measured } else { DepthKind::Estimate };
-        if is_measured && verdict == Some(Verdict::Contact) {
-            let met = pair.meeting();
+        if verdict == Verdict::Contact {
+            let met = pair.meeting()?;
             return Ok(self.shallow(parts, by_points, kind, &met, part != parts[0], is_open));
         }
         let pool = self.solver.query().pool;
         let way = self.locations.with(|scratch| pair.way_out(relation.is_within(), pool, scratch))?;
         let way = if part == parts[0] { way } else { way.turned() };
-        if !is_measured && !relation.is_within() {
-            by_points = PointDepth { depth: way.plane_depth, error: f64::NAN, points: None };
-        }
-        let verdict = verdict.unwrap_or_else(|| {
-            let contact = self.limits.contact(parts[0], parts[1]);
-            if way.plane_depth <= contact {
-                Verdict::Contact
-            } else {
-                Verdict::Clash
-            }
-        });
         Ok(self.deep(parts, verdict, by_points, kind, way, is_open))
     }
 
@@ -393,6 +386,7 @@ impl<'a> ClashSearch<'a> {
             depth: depth.depth,
             depth_error: depth.error,
             kind,
+            gap: met.gap,
             points: depth.points.or(met_points).unwrap_or_default(),
             triangles: met.triangles.min(u32::MAX as usize) as u32,
             bounds: met.bounds,
@@ -414,7 +408,7 @@ impl<'a> ClashSearch<'a> {
             depth: depth.depth,
             depth_error: depth.error,
             kind,
-            translation: if verdict == Verdict::Contact { [0.0; 3] } else { way.translation },
+            translation: way.translation,
             gap: way.gap,
             // Of parts that meet nothing these are the closest places.
             points: depth.points.filter(|_| way.gap == 0.0).unwrap_or(way.points),

@@ -8,10 +8,11 @@ use feeler_core::{Aabb, PairLimits};
 
 use super::obvious::is_through;
 use super::row::Verdict;
+use crate::constants::SEAM_EXCESS;
 use crate::point_depth::bodies::Bodies;
 use crate::point_depth::body::Body;
 use crate::point_depth::depth::{is_deeper, is_holding, is_same_surface};
-use crate::point_depth::walls::are_walls_crossing;
+use crate::point_depth::walls::are_walls_clashing;
 
 /// How two parts collide, by exact signs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +30,7 @@ pub enum Relation {
 pub struct Related {
     pub parts: [u32; 2],
     pub relation: Relation,
-    /// `None`: both are open, and the contact planes decide.
+    /// `None`: both are open, and the depth of their crossing decides.
     pub verdict: Option<Verdict>,
 }
 
@@ -65,9 +66,27 @@ impl Judge<'_> {
             return Some(Verdict::Clash);
         }
         match relation {
-            Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Some(Verdict::Contained),
-            Relation::Touching(Touching::Beside) => Some(Verdict::Contact),
+            Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Some(self.of_held(parts)),
+            Relation::Touching(Touching::Beside) if self.has_inside(parts) => Some(Verdict::Contact),
             _ => self.of_crossing(parts),
+        }
+    }
+
+    /// Whether one of two parts has an inside.
+    fn has_inside(&self, parts: [u32; 2]) -> bool {
+        parts.iter().any(|part| self.solids.of(*part).is_closed())
+    }
+
+    /// A part that another contains by exact signs. An open surface that is nowhere deeper than contact allows lies on the other part.
+    fn of_held(&self, parts: [u32; 2]) -> Verdict {
+        if parts.iter().all(|part| self.solids.of(*part).is_closed()) {
+            return Verdict::Contained;
+        }
+        let [a, b] = self.bodies_of(parts);
+        if is_deeper([&a, &b], self.limits.contact(parts[0], parts[1])) {
+            Verdict::Contained
+        } else {
+            Verdict::Contact
         }
     }
 
@@ -110,13 +129,26 @@ impl Judge<'_> {
         if !a.is_closed() && !b.is_closed() {
             return None;
         }
+        let [p, q] = self.boxes_of(parts);
+        // Loose seams make a surface as uneven as they are wide.
+        let [within_a, within_b] = [&a, &b].map(|body| rounding.max(SEAM_EXCESS * body.looseness()));
+        let least = |within: f64| if within > rounding { SEAM_EXCESS * within } else { 0.0 };
+        let is_held = || {
+            let is_in_other = |[p, q]: [&Aabb; 2], pair: [&Body; 2], within: f64| {
+                is_in(p, q, within) && is_holding(pair, within) && is_deeper(pair, least(within))
+            };
+            is_in_other([&p, &q], [&a, &b], within_b) || is_in_other([&q, &p], [&b, &a], within_a)
+        };
         if is_deeper([&a, &b], contact) {
-            let [p, q] = self.boxes_of(parts);
-            let is_held = (is_in(&p, &q, rounding) && is_holding([&a, &b], rounding))
-                || (is_in(&q, &p, rounding) && is_holding([&b, &a], rounding));
-            return Some(if is_held { Verdict::Contained } else { Verdict::Clash });
+            return Some(if is_held() { Verdict::Contained } else { Verdict::Clash });
         }
-        let is_pierced = contact > rounding && are_walls_crossing([&a, &b], contact);
+        // A thin part that only rounding keeps from being contained.
+        let is_in_box = is_in(&p, &q, within_b) || is_in(&q, &p, within_a);
+        let are_closed = a.is_closed() && b.is_closed();
+        if are_closed && contact > rounding && is_in_box && is_deeper([&a, &b], rounding) && is_held() {
+            return Some(Verdict::Contained);
+        }
+        let is_pierced = contact > rounding && are_walls_clashing([&a, &b], contact);
         Some(if is_pierced { Verdict::Clash } else { Verdict::Contact })
     }
 

@@ -23,8 +23,6 @@ use feeler_core::scratch_pool::ScratchPool;
 pub struct WayOut {
     /// Moves the tool out of the part.
     pub translation: Point,
-    /// The deepest gap of a contact plane, metres: all that there is to say of surfaces that have no inside.
-    pub plane_depth: f64,
     /// On the surface of the tool, and of the part: where that plane is, else where they touch or are closest.
     pub points: [Point; 2],
     /// Colliding pairs of triangles.
@@ -50,13 +48,15 @@ pub struct Met {
     pub triangles: usize,
     /// The box around where they do.
     pub bounds: Aabb,
-    /// On the tool, and on the part, of the first of them.
+    /// On the tool, and on the part, of the first of them; where there is none, the closest points.
     pub points: Option<[Point; 2]>,
+    /// The distance of surfaces that do not collide, metres.
+    pub gap: f64,
 }
 
 impl Default for Met {
     fn default() -> Met {
-        Met { triangles: 0, bounds: Aabb::EMPTY, points: None }
+        Met { triangles: 0, bounds: Aabb::EMPTY, points: None, gap: 0.0 }
     }
 }
 
@@ -92,7 +92,6 @@ impl Pair<'_> {
             None => self.beyond(true, &contacts),
         };
         let deepest = contacts.planes.first().filter(|plane| plane.gap < 0.0);
-        let plane_depth = deepest.map_or(0.0, |plane| (-plane.gap).min(length(&translation)));
         let (points, gap, mut bounds) = (deepest.map(|plane| self.points_of(plane)).or(met.points), 0.0, met.bounds);
         let (points, gap) = match points {
             Some(points) => (points, gap),
@@ -103,7 +102,7 @@ impl Pair<'_> {
                 (points, closest.map_or(0.0, |gap| gap.distance))
             }
         };
-        Ok(WayOut { translation, plane_depth, points, triangles: met.triangles, bounds, gap })
+        Ok(WayOut { translation, points, triangles: met.triangles, bounds, gap })
     }
 
     /// The points of both surfaces that are closest to where the tool is deepest, and to where the plane runs. The tool's surface may be
@@ -113,9 +112,17 @@ impl Pair<'_> {
         [on_surface(tool, &along(&plane.point, plane.gap, &plane.normal)), on_surface(part, &plane.point)]
     }
 
-    /// The place of the collision.
-    pub fn meeting(&self) -> Met {
-        self.met(self.other_alone.collide(self.tool, &Pose::IDENTITY).pairs.into_iter())
+    /// The place of the collision, or where they are closest.
+    pub fn meeting(&self) -> Result<Met> {
+        let mut met = self.met(self.other_alone.collide(self.tool, &Pose::IDENTITY).pairs.into_iter());
+        if met.triangles == 0 {
+            if let Some(gap) = self.other_alone.distance(self.tool, &Pose::IDENTITY, f64::INFINITY)? {
+                let points = [gap.on_tool, gap.on_mockup];
+                points.iter().for_each(|p| met.bounds.grow(p));
+                (met.points, met.gap) = (Some(points), gap.distance);
+            }
+        }
+        Ok(met)
     }
 
     fn met(&self, pairs: impl Iterator<Item = [u32; 2]>) -> Met {

@@ -8,6 +8,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use feeler_core::clash::solids::ConnectedSurface;
 use feeler_core::constants::NEEDLE_WIDTH;
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::mesh::topology::adjacency::Adjacency;
@@ -200,10 +201,14 @@ impl<'a> Search<'a> {
                 }
             }
         }
+        let more = self.corners_by_surface(&asked);
         for (t, surfaces) in asked {
             let p = self.context.tool_triangle(t)[0];
             self.corners.push(p);
-            let holding = self.parts_around(&p);
+            let holding = match more.get(&surfaces[0]) {
+                Some(surface) => self.parts_around_most(&surface.corners),
+                None => self.parts_around(&p),
+            };
             for surface in surfaces {
                 let tool_part = self.tool.part_of_face(links.surfaces[surface as usize]);
                 let crosses = |part: &u32| self.meeting.surfaces.get(&(surface, *part)) == Some(&true);
@@ -215,6 +220,29 @@ impl<'a> Search<'a> {
                 return;
             }
         }
+    }
+
+    /// Some corners of the first surface of each group, of triangles that meet nothing, if the mock-up's surfaces may have gaps: near
+    /// these one corner decides nothing.
+    fn corners_by_surface(&self, asked: &[(u32, Vec<u32>)]) -> BTreeMap<u32, ConnectedSurface> {
+        let Adjacency { has_cracks, has_loose_seams, .. } = self.context.adjacency[Surface::Mockup];
+        let mut found = BTreeMap::new();
+        if *has_cracks || *has_loose_seams {
+            found.extend(asked.iter().map(|(_, surfaces)| (surfaces[0], ConnectedSurface::default())));
+            for t in self.tool.mesh().queried().filter(|t| !self.meeting.tool_triangles.contains(t)) {
+                if let Some(surface) = found.get_mut(&self.tool.links().surface_of[t as usize]) {
+                    self.context.tool_triangle(t).iter().for_each(|corner| surface.add(corner));
+                }
+            }
+        }
+        found
+    }
+
+    /// Those parts that hold most of some points.
+    fn parts_around_most(&self, points: &[Point]) -> Vec<u32> {
+        let mut votes: BTreeMap<u32, usize> = BTreeMap::new();
+        points.iter().flat_map(|p| self.parts_around(p)).for_each(|part| *votes.entry(part).or_default() += 1);
+        votes.into_iter().filter(|(_, votes)| 2 * votes > points.len()).map(|(part, _)| part).collect()
     }
 
     /// Those parts that hold a point.
@@ -230,7 +258,7 @@ impl<'a> Search<'a> {
         }
         let mockup = self.scene.mockup();
         let hull = candidates.iter().fold(Aabb::EMPTY, |hull, part| hull.union(&mockup.part_bounds()[*part as usize]));
-        let Adjacency { outward, has_cracks, .. } = adjacency;
+        let Adjacency { outward, has_cracks, has_loose_seams, .. } = adjacency;
         let windings = |offset: &[f64; 2]| {
             // A needle triangle, one edge of it the ray: it meets the triangles that the ray meets, and few more.
             let (q, wide) = (ray_end(p, &hull, offset), ray_end(p, &hull, &offset.map(|x| x + NEEDLE_WIDTH)));
@@ -244,7 +272,8 @@ impl<'a> Search<'a> {
             }
             Some(windings)
         };
-        let decided: Vec<Vec<i32>> = RAY_OFFSETS.iter().filter_map(windings).take(ray_count(*has_cracks)).collect();
+        let rays = ray_count(*has_cracks || *has_loose_seams);
+        let decided: Vec<Vec<i32>> = RAY_OFFSETS.iter().filter_map(windings).take(rays).collect();
         let is_inside = |i: &usize| median(decided.iter().map(|windings| windings[*i]).collect()) != 0;
         (0..candidates.len()).filter(is_inside).map(|i| candidates[i]).collect()
     }

@@ -33,7 +33,7 @@ impl ToolSolid<'_> {
 
     /// The tool's parts that a point is inside, but for the rounding of its turn into the tool's frame; ascending.
     pub fn parts_around(&self, p: &Point) -> Vec<u32> {
-        let Adjacency { outward, has_cracks, .. } = self.adjacency;
+        let Adjacency { outward, has_cracks, has_loose_seams, .. } = self.adjacency;
         let windings = |offset: &[f64; 2]| {
             let q = ray_end(p, &self.mesh.bounds(), offset);
             let ray = Aabb::of_triangle(&[*p, q, q]);
@@ -45,7 +45,8 @@ impl ToolSolid<'_> {
             }
             Some(windings)
         };
-        let decided: Vec<Vec<i32>> = RAY_OFFSETS.iter().filter_map(windings).take(ray_count(*has_cracks)).collect();
+        let rays = ray_count(*has_cracks || *has_loose_seams);
+        let decided: Vec<Vec<i32>> = RAY_OFFSETS.iter().filter_map(windings).take(rays).collect();
         let is_around = |part: &u32| median(decided.iter().map(|windings| windings[*part as usize]).collect()) != 0;
         (0..self.tool.parts() as u32).filter(is_around).collect()
     }

@@ -1,13 +1,18 @@
 //! The surface of a part under a tree of boxes, for queries of points: the closest point of the surface, and whether a
 //! point is inside.
 
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+use feeler_core::constants::NONE;
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::geometry::vectors::{add, along, cross, dot, precise_normal, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Point, Triangle};
 
+use super::border::Border;
 use super::tree::Tree;
-use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS};
+use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS, WIDEST_SEAM};
 
 /// A little more than 1: above the rounding of heights over planes. It bounds no distance, only the search.
 const ABOVE: f64 = 1.0 + 1e-6;
@@ -41,7 +46,11 @@ pub struct Body {
     tree: Tree,
     has_cracks: bool,
     is_loose: bool,
+    looseness: f64,
     is_closed: bool,
+    /// As [`Adjacency::neighbours`], by the places of its triangles; empty if it is closed.
+    neighbours: Vec<[u32; 3]>,
+    border: OnceLock<Border>,
 }
 
 impl Body {
@@ -58,17 +67,24 @@ impl Body {
         let senses: Vec<i8> = order.iter().map(|i| adjacency.outward[numbers[*i as usize] as usize]).collect();
         let triangles: Vec<Triangle> = order.iter().map(|i| moved[*i as usize]).collect();
         drop(moved);
+        let is_closed = senses.iter().any(|sense| *sense != 0);
+        let is_loose = adjacency.has_cracks || adjacency.has_loose_seams;
+        let neighbours = if is_closed && !is_loose { Vec::new() } else { neighbours_of(&numbers, &order, adjacency) };
+        let looseness = if is_loose { widest_seam(&triangles, &neighbours, bounds.longest()) } else { 0.0 };
         Body {
             origin,
             rounding: (BODY_ROUNDING * bounds.largest_coordinate()).max(SURFACE_ROUNDOFFS * last_place(&world)),
             bounds,
             planes: triangles.iter().map(plane_of).collect(),
             triangles,
-            is_closed: senses.iter().any(|sense| *sense != 0),
+            is_closed,
+            neighbours: if is_closed { Vec::new() } else { neighbours },
+            border: OnceLock::new(),
             senses,
             tree,
             has_cracks: adjacency.has_cracks,
-            is_loose: adjacency.has_cracks || adjacency.has_loose_seams,
+            is_loose,
+            looseness,
         }
     }
 
@@ -95,6 +111,11 @@ impl Body {
     /// Whether its surface may have gaps, in seams and cracks: a point near it may be on either side of it.
     pub fn is_loose(&self) -> bool {
         self.is_loose
+    }
+
+    /// How wide the gaps in its seams are at most, metres; 0 without any.
+    pub fn looseness(&self) -> f64 {
+        self.looseness
     }
 
     /// How many triangles it has.
@@ -172,6 +193,16 @@ impl Body {
         self.triangles.iter().step_by(step).map(|t| add(&t[0], &self.origin)).collect()
     }
 
+    /// The triangles beside one of its triangles, over the edges from corner `k` to `k + 1`; `NONE` at a border, and of a closed body.
+    pub fn neighbours(&self, i: u32) -> [u32; 3] {
+        self.neighbours.get(i as usize).copied().unwrap_or([NONE; 3])
+    }
+
+    /// The border of a body without closed surfaces.
+    pub fn border(&self) -> &Border {
+        self.border.get_or_init(|| Border::new(self, &self.neighbours))
+    }
+
     /// Between which heights along a normal all of it is, in the world: beyond it by no more than a millionth of its size.
     pub fn heights(&self, normal: &Point) -> [f64; 2] {
         let height = |i: u32, sense: f64| {
@@ -228,6 +259,28 @@ impl Body {
 fn last_place(bounds: &Aabb) -> f64 {
     let largest = bounds.largest_coordinate();
     largest.next_up() - largest
+}
+
+/// The neighbours of triangles by their places in an order, from their numbers in an adjacency.
+fn neighbours_of(numbers: &[u32], order: &[u32], adjacency: &Adjacency) -> Vec<[u32; 3]> {
+    let places: HashMap<u32, u32> = order.iter().zip(0..).map(|(i, place)| (numbers[*i as usize], place)).collect();
+    let place = |number: u32| places.get(&number).copied().unwrap_or(NONE);
+    order.iter().map(|i| adjacency.neighbours[numbers[*i as usize] as usize].map(place)).collect()
+}
+
+/// How far corners are at most from the triangles beside their edges, as far as these are within the looseness of a seam.
+fn widest_seam(triangles: &[Triangle], neighbours: &[[u32; 3]], longest: f64) -> f64 {
+    let mut widest = 0.0f64;
+    for (t, beside) in triangles.iter().zip(neighbours) {
+        for k in (0..3).filter(|k| beside[*k] != NONE) {
+            let other = &triangles[beside[k] as usize];
+            let gap = [t[k], t[(k + 1) % 3]].iter().map(|p| distance_to(p, other)).fold(0.0, f64::max);
+            if gap <= WIDEST_SEAM * longest {
+                widest = widest.max(gap);
+            }
+        }
+    }
+    widest
 }
 
 fn plane_of(t: &Triangle) -> [f64; 4] {

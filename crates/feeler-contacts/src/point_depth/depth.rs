@@ -12,7 +12,7 @@ pub enum DepthKind {
     /// Measured by points of both surfaces, within its error.
     Measured = 0,
     /// A part has no closed surface, and so no inside. If the other has one, only points of the open surface count; if not, the depth is
-    /// the gap of the deepest contact plane.
+    /// how far the surfaces cross.
     Estimate = 1,
 }
 

@@ -8,9 +8,11 @@
 
 pub mod bodies;
 pub mod body;
+mod border;
 #[cfg(test)]
 mod brute;
 mod corners;
+pub mod crossing;
 pub mod depth;
 mod distances;
 mod farthest;

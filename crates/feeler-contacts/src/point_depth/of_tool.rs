@@ -7,6 +7,7 @@ use feeler_core::{closest_triangle_triangle, Collision, GoOn, Mockup, Point, Pos
 
 use super::bodies::Bodies;
 use super::body::Body;
+use super::crossing::crossing_depth;
 use super::depth::{point_depth, DepthKind};
 use crate::containment::find::containment;
 
@@ -20,9 +21,9 @@ pub struct PartDepth {
     pub tool_part: u32,
     /// The farthest that a point of one surface is inside the other part, metres: a lower bound. 0 where they only touch.
     pub depth: f64,
-    /// How much more it can be, metres: no more than a thousandth of it, or a nanometre.
+    /// How much more it can be, metres: no more than a thousandth of it, or a nanometre; NaN of two open surfaces.
     pub error: f64,
-    /// The kind of the depth; two open surfaces have none, and it is 0.
+    /// The kind of the depth.
     pub kind: DepthKind,
     /// The point of the tool and that of the part where that is, world, metres.
     pub points: [Point; 2],
@@ -45,7 +46,8 @@ pub(crate) fn depths(scene: &Scene, bodies: &Bodies, tool: &Tool, pose: &Pose, g
         let [part, tool_part] = pair;
         let body = bodies.of(part, || body_of_part(mockup, part));
         let tool_body = own[tool_part as usize].get_or_insert_with(|| body_of_tool(tool, pose, tool_part));
-        let measured = point_depth([tool_body, &body]);
+        let has_inside = tool_body.is_closed() || body.is_closed();
+        let measured = if has_inside { point_depth([tool_body, &body]) } else { crossing_depth([tool_body, &body]) };
         let points = measured.points.or_else(|| {
             // Where they only touch.
             let [t, m] = *hits.iter().find(|hit| parts_of(**hit) == pair)?;

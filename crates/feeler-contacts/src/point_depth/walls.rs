@@ -3,18 +3,27 @@
 use feeler_core::geometry::vectors::{add, along, cross, dot, length, precise_normal, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
 
-use super::body::Body;
-use super::depth::point_depth_from;
-use crate::constants::{NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, WALL_MIDDLE};
+use super::body::{distance_to, Body};
+use super::depth::{point_depth_from, PointDepth};
+use crate::constants::{
+    NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE,
+};
+
+/// Whether two bodies clash as thin walls, although no point of either is deeper than `contact` (metres) in the other: they cross, or
+/// share more than `contact` of their thickness side by side.
+pub fn are_walls_clashing([a, b]: [&Body; 2], contact: f64) -> bool {
+    let deepest = [point_depth_from([a, b]), point_depth_from([b, a])];
+    are_crossing([a, b], contact, &deepest)
+        || (is_side_by_side(a, b, contact, &deepest[0]) && is_side_by_side(b, a, contact, &deepest[1]))
+}
 
 /// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and points of each lie
 /// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. Thin walls are
 /// thinner than twice `contact` (metres).
-pub fn are_walls_crossing([a, b]: [&Body; 2], contact: f64) -> bool {
+fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> bool {
     let least = a.rounding().max(b.rounding());
     // How thick a wall may be for the points found to be in its middle.
-    let thickness =
-        [[b, a], [a, b]].map(|pair| 2.0 * (point_depth_from(pair).depth / WALL_MIDDLE).min(contact + least));
+    let thickness = [1, 0].map(|i: usize| 2.0 * (deepest[i].depth / WALL_MIDDLE).min(contact + least));
     if thickness.iter().any(|thickness| *thickness <= 4.0 * least) {
         return false;
     }
@@ -37,6 +46,67 @@ pub fn are_walls_crossing([a, b]: [&Body; 2], contact: f64) -> bool {
         };
         many.find_overlapping(&Aabb::of_triangle(&t), is_crossing_walls).is_some()
     })
+}
+
+/// Whether two bodies share more than `contact` (metres) of the thickness of a wall, by the deepest point of the one: it lies in the middle
+/// between two faces of the other, the wall. Of walls side by side the surfaces need not cross.
+fn is_side_by_side(own: &Body, wall: &Body, contact: f64, found: &PointDepth) -> bool {
+    let Some([deepest, _]) = found.points else { return false };
+    // A wall that is thinner is shared by less, too.
+    if 2.0 * found.depth < WALL_MIDDLE * contact {
+        return false;
+    }
+    let reach = found.depth / WALL_MIDDLE;
+    let shares_thickness = |across: &Point| {
+        let Some(inward) = inward_along(own, &sub(&deepest, own.origin()), across) else { return false };
+        // As far into the one body as the deepest point is surely inside the other.
+        let p = along(&deepest, SIDE_STEP * found.depth, &inward);
+        let far = |sign: f64| {
+            let end = along(&p, 2.0 * sign * reach, across);
+            [own, wall].map(|body| nearest_face([&sub(&p, body.origin()), &sub(&end, body.origin())], body))
+        };
+        let ways = [far(1.0), far(-1.0)];
+        let thickness = ways[0][1] + ways[1][1];
+        let shared = ways.iter().map(|[of_own, of_wall]| of_own.min(*of_wall)).sum::<f64>();
+        let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
+        let most = 2.0 * reach.min(contact + own.rounding().max(wall.rounding()));
+        thickness <= most && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
+    };
+    // The rim of the wall may be as near as its faces.
+    normals_near(wall, &sub(&deepest, wall.origin()), reach).iter().any(shares_thickness)
+}
+
+/// The outward normals of the faces of a body within a distance of a point, each once.
+fn normals_near(body: &Body, p: &Point, within: f64) -> Vec<Point> {
+    let around = Aabb { lower: p.map(|x| x - within), upper: p.map(|x| x + within) };
+    let mut found: Vec<Point> = Vec::new();
+    body.find_overlapping(&around, |i| {
+        let outward = body.outward(i).filter(|n| !found.iter().any(|m| dot(m, n) > SAME_FACE_NORMAL));
+        found.extend(outward.filter(|_| distance_to(p, body.triangle(i)) <= within));
+        None::<()>
+    });
+    found
+}
+
+/// The direction into a body across a normal, from a point of its surface; `None` where the surface there runs across the normal itself.
+fn inward_along(body: &Body, at: &Point, normal: &Point) -> Option<Point> {
+    let within = 4.0 * body.rounding() + 1e-9 * body.bounds().longest();
+    let faces = normals_near(body, at, within);
+    let sum = faces.iter().fold([0.0; 3], |sum, n| sub(&sum, n));
+    let level = along(&sum, -dot(&sum, normal), normal);
+    (length(&level) > 0.1 * length(&sum)).then(|| unit(&level)).flatten()
+}
+
+/// How far along a segment the first face of a body is that it goes through; infinite if there is none.
+fn nearest_face([p, q]: [&Point; 2], body: &Body) -> f64 {
+    let mut nearest = f64::INFINITY;
+    body.tree().find_on_segment([p, q], body.rounding(), |i| {
+        if let Some(hit) = piercing([p, q], body.triangle(i), -body.rounding()) {
+            nearest = nearest.min(length(&sub(&hit, p)));
+        }
+        None::<()>
+    });
+    nearest
 }
 
 /// Whether a body is thin behind a point of one of its triangles.
@@ -107,10 +177,15 @@ fn face_along(body: &Body, from: &Point, ray: &Point) -> Option<(Point, Point)> 
     first
 }
 
-/// A point where an edge of one triangle goes through the other, not by rounding alone.
+/// A point where an edge of one triangle goes through the other, not by rounding alone: faces that are flush do not cross.
 fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
     let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let through = |t: &Triangle, u: &Triangle| edges(t).iter().find_map(|[p, q]| piercing([p, q], u, least));
+    let is_beyond = |p: &Point, n: &Point, u: &Triangle| dot(n, &sub(p, &u[0])).abs() > least;
+    let through = |t: &Triangle, u: &Triangle| {
+        let n = precise_normal(u)?;
+        let ends_beyond = |[p, q]: &[Point; 2]| is_beyond(p, &n, u) && is_beyond(q, &n, u);
+        edges(t).iter().filter(|edge| ends_beyond(edge)).find_map(|[p, q]| piercing([p, q], u, least))
+    };
     let (p, q) = (through(t, u), through(u, t));
     match (p, q) {
         (Some(p), Some(q)) if length(&sub(&p, &q)) > least => Some(scaled(&add(&p, &q), 0.5)),
@@ -148,7 +223,7 @@ mod tests {
         let mut said = Vec::new();
         for (cells, other) in [(1, 1), (3, 1), (2, 5)] {
             let [a, b] = [p(cells), q(other)].map(|mesh| body(placed(mesh, &m)));
-            said.extend([are_walls_crossing([&a, &b], 1.0), are_walls_crossing([&b, &a], 1.0)]);
+            said.extend([are_walls_clashing([&a, &b], 1.0), are_walls_clashing([&b, &a], 1.0)]);
         }
         assert!(said.iter().all(|is_crossing| *is_crossing == said[0]), "{said:?}");
         said[0]
@@ -236,8 +311,8 @@ mod tests {
             let [a, b] = [foil(1), needle(1)].map(body);
             // As much as contact allows, and more.
             let half = point_depth_from([&a, &b]).depth;
-            assert!(are_walls_crossing([&a, &b], 1.01 * half), "{section:?}");
-            assert!(!are_walls_crossing([&a, &b], 0.97 * half), "{section:?}");
+            assert!(are_walls_clashing([&a, &b], 1.01 * half), "{section:?}");
+            assert!(!are_walls_clashing([&a, &b], 0.97 * half), "{section:?}");
         }
     }
 
@@ -245,7 +320,25 @@ mod tests {
     fn walls_are_thinner_than_twice_the_contact() {
         let [a, b] = [block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], 1), block([-0.04, -0.6, -0.7], [0.04, 0.5, 0.8], 1)]
             .map(body);
-        assert!(are_walls_crossing([&a, &b], 0.0501) && !are_walls_crossing([&a, &b], 0.0499));
+        assert!(are_walls_clashing([&a, &b], 0.0501) && !are_walls_clashing([&a, &b], 0.0499));
+    }
+
+    #[test]
+    fn walls_side_by_side_clash_if_they_share_more_than_contact_of_their_thickness() {
+        let sheet = |low: [f64; 2], high: [f64; 2], shift: f64, thick: f64| {
+            move |cells| block([low[0], low[1], shift], [high[0], high[1], shift + thick], cells)
+        };
+        // `contact` is 1 in `are_crossing`. Edges in line, and not.
+        for (low, high) in [([40.0, 0.0], [120.0, 100.0]), ([40.0, 20.0], [120.0, 150.0]), ([2.0, 0.0], [102.0, 100.0])]
+        {
+            for (shift, thick, is_clash) in [(0.0, 1.9, true), (0.0, 0.9, false), (0.5, 1.8, true), (0.9, 1.8, false)] {
+                let is_crossing = are_crossing(sheet([0.0; 2], [100.0; 2], 0.0, thick), sheet(low, high, shift, thick));
+                assert_eq!(is_crossing, is_clash, "{low:?} {high:?} {shift} {thick}");
+            }
+        }
+        // Less than a contact deep from the edge.
+        let less = sheet([99.2, 0.0], [200.0, 100.0], 0.0, 1.9);
+        assert!(!are_crossing(sheet([0.0; 2], [100.0; 2], 0.0, 1.9), less));
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Parts that contain others without touching them: a connected surface that does not collide with a closed part lies
-//! inside it or outside, and one of its corners decides.
+//! inside it or outside, and one of its corners decides, or several if the closed part has gaps.
 
 use rayon::prelude::*;
 
 use super::asked::{in_order, PairLimits};
 use super::boxes::Boxes;
 use super::location::{is_within, locate, Location, LocationScratch};
-use super::solids::{connected_surfaces, Solids};
+use super::solids::{connected_surfaces, ConnectedSurface, Solids};
 use crate::geometry::bounds::Aabb;
 use crate::index::mockup_index::Index;
 use crate::scratch_pool::ScratchPool;
@@ -50,9 +50,8 @@ pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeti
                     if around.is_empty() {
                         continue;
                     }
-                    let located = locate((index, solids), &surface.corner, &around, scratch);
-                    let inside = around.iter().zip(located).filter(|(_, location)| *location == Location::Inside);
-                    held.extend(inside.map(|(by, _)| Held { part, by: *by }));
+                    let inside = parts_around((index, solids), &surface, &around, scratch);
+                    held.extend(inside.into_iter().map(|by| Held { part, by }));
                 }
             });
             held
@@ -60,6 +59,40 @@ pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeti
         .collect();
     found.sort_unstable();
     found.dedup();
+    found
+}
+
+/// Those of some parts (ascending) that a connected surface is inside of. One corner decides, or most of several if the surface of a part
+/// may have gaps: rays can go through these, and a corner near them may be on either side.
+fn parts_around(
+    (index, solids): (&Index, &Solids<'_>),
+    surface: &ConnectedSurface,
+    parts: &[u32],
+    scratch: &mut LocationScratch,
+) -> Vec<u32> {
+    let is_inside = |location: &Location| *location == Location::Inside;
+    let first = locate((index, solids), &surface.corners[0], parts, scratch);
+    let (mut found, mut loose) = (Vec::new(), Vec::new());
+    for (part, location) in parts.iter().zip(&first) {
+        if !solids.is_cycle(*part) && solids.of(*part).is_loose() {
+            loose.push(*part);
+        } else if is_inside(location) {
+            found.push(*part);
+        }
+    }
+    if !loose.is_empty() {
+        let mut votes = vec![0i32; loose.len()];
+        for corner in &surface.corners {
+            for (vote, location) in votes.iter_mut().zip(locate((index, solids), corner, &loose, scratch)) {
+                *vote += match location {
+                    Location::Inside => 1,
+                    Location::Outside => -1,
+                    Location::On => 0,
+                };
+            }
+        }
+        found.extend(loose.iter().zip(votes).filter(|(_, vote)| *vote > 0).map(|(part, _)| *part));
+    }
     found
 }
 

@@ -56,7 +56,7 @@ impl RaySink for Along<'_> {
     }
 }
 
-/// Where a point lies to each of some parts (ascending). Of a surface that is closed but for cracks most of three rays decide.
+/// Where a point lies to each of some parts (ascending). Of a surface that may have gaps, in seams and cracks, most of three rays decide.
 pub fn locate(
     (index, solids): (&Index, &Solids<'_>),
     p: &Point,
@@ -105,7 +105,7 @@ pub fn locate(
                 Some(0) => {}
                 Some(sign) => {
                     let solid = solids.of(parts[at]);
-                    needed[at] = ray_count(solid.adjacency().has_cracks);
+                    needed[at] = ray_count(solid.is_loose());
                     let sense = i32::from(solid.adjacency().outward[solid.own(face) as usize]);
                     sums[at] = sums[at].map(|sum| sum + sense * sign);
                 }

@@ -11,6 +11,9 @@ use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::moving_tool::Tool;
 
+/// Corners of a connected surface that are kept.
+const MOST_CORNERS: usize = 6;
+
 /// The triangles of each part that can be queried.
 #[derive(Debug)]
 pub struct PartFaces {
@@ -112,6 +115,11 @@ impl<'a> Solid<'a> {
         !self.adjacency.shells_of(self.number()).is_empty()
     }
 
+    /// Whether its closed surfaces may have gaps, in seams and cracks.
+    pub fn is_loose(&self) -> bool {
+        self.adjacency.has_cracks || self.adjacency.has_loose_seams
+    }
+
     /// A corner of each of its connected surfaces.
     pub fn corners_of_surfaces(&self) -> impl Iterator<Item = Point> + 'a {
         let (solid, adjacency) = (*self, self.adjacency);
@@ -193,12 +201,32 @@ impl<'a> Solids<'a> {
 }
 
 /// A connected surface of a part: triangles that share corners, with equal coordinates.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ConnectedSurface {
-    /// One of its corners.
-    pub corner: Point,
+    /// Some of its corners, far apart; one at least if it has any.
+    pub corners: Vec<Point>,
     /// The box around it.
     pub bounds: Aabb,
+}
+
+impl Default for ConnectedSurface {
+    fn default() -> ConnectedSurface {
+        ConnectedSurface { corners: Vec::new(), bounds: Aabb::EMPTY }
+    }
+}
+
+impl ConnectedSurface {
+    /// Grows by a corner. Of those that the box grew by, the last ones stay.
+    pub fn add(&mut self, corner: &Point) {
+        if self.bounds.is_overlapping(&Aabb { lower: *corner, upper: *corner }) {
+            return;
+        }
+        self.bounds.grow(corner);
+        if self.corners.len() == MOST_CORNERS {
+            self.corners.remove(1);
+        }
+        self.corners.push(*corner);
+    }
 }
 
 /// The connected surfaces of some triangles.
@@ -210,10 +238,12 @@ pub fn connected_surfaces(mesh: &Mesh, faces: &[u32]) -> Vec<ConnectedSurface> {
         let place = &mut places[sets[i] as usize];
         if *place == u32::MAX {
             *place = found.len() as u32;
-            found.push(ConnectedSurface { corner: triangle[0], bounds: Aabb::EMPTY });
+            found.push(ConnectedSurface::default());
         }
-        let bounds = &mut found[*place as usize].bounds;
-        triangle.iter().for_each(|corner| bounds.grow(corner));
+        let surface = &mut found[*place as usize];
+        for corner in &triangle {
+            surface.add(corner);
+        }
     }
     found
 }

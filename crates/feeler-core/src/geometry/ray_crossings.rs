@@ -9,9 +9,9 @@ use crate::geometry::predicates::orient3d;
 pub const RAY_OFFSETS: [[f64; 2]; 6] =
     [[0.173, 0.091], [-0.059, 0.217], [-0.241, -0.127], [0.113, -0.281], [0.037, 0.053], [-0.331, 0.307]];
 
-/// Number of rays to use.
-pub fn ray_count(has_cracks: bool) -> usize {
-    if has_cracks {
+/// Number of rays to use; is_loose: the surface may have gaps, in seams and cracks.
+pub fn ray_count(is_loose: bool) -> usize {
+    if is_loose {
         RAYS_WITH_CRACKS
     } else {
         1
