@@ -129,6 +129,14 @@ def test_a_straight_pipe_plug_needs_its_name() -> None:
         assert row is not None and row.drive.startswith("square") and row.confidence == 0.99
 
 
+@pytest.mark.parametrize("facets", [12, 16, 31, 64])
+@pytest.mark.parametrize("length", [14.0, 19.8, 20.0, 24.0])
+def test_a_plain_plug_is_no_square_from_its_side(facets: int, length: float) -> None:
+    """As wide as it is long, it has the outline of a square."""
+    row = seen(rod(9.9, 0.0, length, facets), "plug")[0]
+    assert row is None or row.drive == "", row.because
+
+
 @pytest.mark.parametrize(("size", "across"), list(TORX.items()))
 def test_a_torx_bit_is_chosen_by_its_recess(size: str, across: float) -> None:
     """Whatever the thread is; a recess may be a little wider than its bit."""

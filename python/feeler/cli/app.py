@@ -114,7 +114,7 @@ def main() -> None:
     """Runs the program and exits."""
     output = _Output.instead_of("stdout")
     _Output.instead_of("stderr")  # a finding is one, whether or not its warnings can be written
-    warnings.showwarning = _show
+    warnings.showwarning = _show  # type: ignore[assignment]
     try:
         app(prog_name="feeler")
     except KeyboardInterrupt:

@@ -29,6 +29,9 @@ Floats = npt.NDArray[np.float64]
 
 LEVELS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4)
 """Where heads are cut, from the top, in heights of the shape: chamfers and domes are above."""
+ROUND = 0.74
+"""The least reach of a shank in any direction, relative to the greatest: 0.87 for a hexagon, 0.71 for a square."""
+_WAYS = np.array([[np.cos(turn), np.sin(turn)] for turn in np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)])
 LOBES = (1.22, 1.55)
 """Radius of the points of an external Torx, relative to the radius between them: about 1.39; 1.13 to 1.27
 for splined shafts with six teeth (ISO 14)."""
@@ -151,7 +154,7 @@ def tapered_plug(view: View) -> Found | None:
             return None
     top = view.high if head is None else head.low
     tapered = _tapered(view, top, recess)
-    radius = widest(view, view.low, view.low + 0.4 * (top - view.low)) if tapered is None else tapered
+    radius = _thread(view, top) if tapered is None else tapered
     if not radius > 0.0:
         return None
     size, length = 2.0 * radius, top - view.low
@@ -240,8 +243,13 @@ def _cuts(view: View) -> list[tuple[float, Outline]]:
 
 
 def _thread(view: View, head: float) -> float:
-    """The radius of the shank below a head that ends at a height, by its lower 0.4."""
-    return widest(view, view.low, view.low + 0.4 * (head - view.low))
+    """The radius of the shank below a head that ends at a height, by its lower 0.4; 0 if it is not round there."""
+    below = view.low + 0.4 * (head - view.low)
+    points = view.across[view.z <= below]
+    reaches = (points @ _WAYS.T).max(axis=0, initial=0.0)
+    if not reaches.min() >= ROUND * reaches.max():
+        return 0.0
+    return widest(view, view.low, below)
 
 
 def _square(view: View) -> Body | None:
