@@ -79,6 +79,16 @@ def test_all_others_keep_a_gap() -> None:
     assert min(least.values()) > 2e-4
 
 
+@pytest.mark.parametrize("seed", [0, 19116, 466068])
+def test_pipes_and_hoses_keep_5_mm(seed: int) -> None:
+    """Of two of these seeds, the hose would pass a nut of the fuel pipe by 2.3 mm at its usual height."""
+    gearbox = drawn(70_000, seed)
+    lines = [path for path in gearbox.meshes if path.rpartition("/")[2] in ("pipe", "hose")]
+    assert len(lines) > 2 and not [
+        found for found in judge.gaps(gearbox, 0.006, lines).items() if found[1] < 0.005 - 2e-6
+    ]
+
+
 def test_plays_and_presses_are_drawn_as_named() -> None:
     """A pair of each kind and play, at a chord that is less than the plays."""
     fits = judge.Fits()

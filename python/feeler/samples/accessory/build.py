@@ -55,7 +55,7 @@ def build(cut: Cut, seed: int) -> Assembly:
         "lines/vent_hose",
         "rubber",
         [(faces["breather"], covers["breather_rear"], "straight"), (faces["idler"], covers["idler_rear"], "straight")],
-        178.0,
+        lines.vent_level(faces["breather"], faces["idler"], outlet),
         kind="hose",
         after=["lines/fuel_pipe/pipe"],
     )

@@ -166,6 +166,16 @@ def line(
     return pipe, corners[1], corners[2]
 
 
+def vent_level(begin: Floats, end: Floats, outlet: Floats) -> float:
+    """The height of the vent hose's run between two ports: above the nut on the outlet of the fuel pump if it would pass
+    beside that by less than `APART`."""
+    a, b, at_nut = begin[:2, 3], end[:2, 3], outlet[:2, 3]
+    along = (b - a) / np.linalg.norm(b - a)
+    offset = at_nut - a
+    beside = abs(along[0] * offset[1] - along[1] * offset[0])
+    return VENT_LEVEL if beside >= NUT_CORNER + PIPE + APART else VENT_ABOVE
+
+
 def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: str) -> list[str]:
     """The plate that holds an elbow by its collar, with its screw; the plate stays on the elbow."""
     asm, cut = shop.asm, shop.cut
@@ -200,6 +210,11 @@ CLIP_AT, CLIP_ASIDE = (0.36, 0.33, 0.39, 0.42, 0.45, 0.48, 0.51, 0.54, 0.57, 0.6
 POST_ROOM = 7.5
 """Between the middle of the post and a pad: half its width over corners, a gap, and a chord."""
 OIL_PORT = (-10.0, 0.0)
+NUT_CORNER = 17.0 / np.sqrt(3.0)
+"""Half the width of union nuts across their corners."""
+APART = 5.3
+"""How far pipes and hoses are from what they do not fit, chords included."""
+VENT_LEVEL, VENT_ABOVE = 178.0, 207.0
 OIL_LEVEL = 172.0
 
 
