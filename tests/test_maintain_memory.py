@@ -79,6 +79,20 @@ def test_other_times_and_tools_ask_what_they_change(monkeypatch: pytest.MonkeyPa
     assert set(found) == {"s0/bolt", "s1/bolt"}
 
 
+def test_parts_that_are_remembered_are_asked_for_further_directions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a part that rides on another is, for those of the other."""
+    base = planned(scene_of(parts(2)))
+    opposed, further = Mover.opposed, []
+
+    def more(self: Mover, direction: tuple[float, float, float]) -> set[int]:
+        further.append(self._opposed((0.6, 0.8, 0.0)))
+        return opposed(self, direction)
+
+    monkeypatch.setattr(Mover, "opposed", more)
+    run = planned(scene_of(parts(2)), base, times={"take": 60.0})
+    assert further and all(row.state == "out" for row in run)
+
+
 def test_tools_are_asked_again_where_other_strokes_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     """Longer tools are not looked at beyond one that is quick enough: then they may be quicker all the same."""
     scene, _, memory = known()

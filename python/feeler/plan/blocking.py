@@ -20,6 +20,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Contacts
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
@@ -396,10 +397,14 @@ class Mover:
         """The diagonal of their box, metres."""
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contacts with what is near it where it is."""
+        return self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
+
     def _looked(self) -> list[Any]:
         """The directions with the parts against each, and the parts that it touches or intersects at the start."""
         touching = self.rest.clearance(self.tool, np.eye(4), TOUCH_M)
-        self.contacts = self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
         is_touching = np.abs(self.contacts.gaps) <= TOUCH_M
         flush = set(self.contacts.parts[is_touching].tolist())
         deep = set(self.contacts.parts[self.contacts.gaps < -TOUCH_M].tolist())
