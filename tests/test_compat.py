@@ -502,6 +502,37 @@ def test_flush_objects_that_are_not_convex_are_parted_by_their_depth(axis: int, 
     assert not manager.in_collision_internal()
 
 
+@pytest.mark.parametrize("kinds", ["LL", "BL", "LB", "BB"])
+@pytest.mark.parametrize("overlap", [0.0, 0.25])
+def test_flush_objects_of_a_turned_assembly_are_parted_by_their_depth(kinds: str, overlap: float) -> None:
+    """By rounding they touch, overlap or neither; and those that overlap are flush on another side."""
+    rng = np.random.default_rng(6)
+    block = box((2, 2, 1))
+    shapes = {"L": ell(), "B": (block.vertices + np.array([1.0, 1.0, 0.5]), block.faces)}
+    parted = 0
+    for size in (1.0, 1e-3):
+        for _ in range(12):
+            turn = placed(rng, 1.0)
+            second = turn @ at(*(np.array([0.0, 0.0, 1.0] if not overlap else [2.0 - overlap, 0.0, 0.0]) * size))
+            manager = CollisionManager()
+            for name, kind, pose in zip("ab", kinds, (turn, second), strict=True):
+                manager.add_object(name, (shapes[kind][0] * size, shapes[kind][1]), pose)
+            hit, contacts = manager.in_collision_internal(return_data=True)
+            if not hit:
+                continue
+            contact = contacts[0]
+            if overlap == 0.0 or kinds == "BB":
+                assert 0.0 < contact.depth < (1.01 * overlap + 1e-9) * size
+            if len({*kinds}) == 2:
+                assert manager.min_distance_internal() == pytest.approx(-contact.depth, rel=1e-12)
+            moved_one = {"a": turn, "b": second}[contact.pair[1]].copy()
+            moved_one[:3, 3] += contact.normal * contact.depth
+            manager.set_transform(contact.pair[1], moved_one)
+            assert not manager.in_collision_internal()
+            parted += 1
+    assert parted > (16 if not overlap else 23)
+
+
 def test_the_depth_of_what_slides_parts_it() -> None:
     """Two soups that a way along their faces frees at one length by rounding alone."""
     one = [[0, 0, 1], [0, -1, 1], [-1, 0, -1], [0, -1, 1], [1, 1, 1], [-1, -1, 0], [1, 0, 1], [1, 0, -1]]

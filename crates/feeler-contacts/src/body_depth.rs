@@ -2,15 +2,23 @@
 
 use std::sync::Arc;
 
-use feeler_core::geometry::vectors::{dot, length, scaled, sub};
-use feeler_core::{Aabb, Bodies, GoOn, Point, Pose, Result, Shape, ToolAndMockup, Who};
+use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
+use feeler_core::{Aabb, Bodies, GoOn, Point, Pose, Result, Scene, Shape, Tool, ToolAndMockup, Who};
 
 use crate::convex_depth::convex_depth;
-use crate::escape::penetration::PenetrationKind;
+use crate::escape::escape_probe::{cube_axes, is_free_and_outside, probe_axes};
+use crate::escape::min_norm::min_norm;
+use crate::escape::penetration::{keep_tightest, PenetrationKind};
 use crate::solver::ContactSolver;
 
 /// By how much farther than the border convex bodies are moved: that they touch no more, a share of the depth and of coordinates.
 const BEYOND: [f64; 2] = [1e-6, 64.0 * f64::EPSILON];
+
+/// Rounds in which bodies are moved off what they are flush with.
+const ROUNDS: usize = 8;
+/// What is this near counts there, and so far at most they are moved, in units of what parts them for sure.
+const NEAR: f64 = 4.0;
+const FARTHER: f64 = 1e4;
 
 /// The shortest translation found that parts two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,26 +35,94 @@ pub struct BodyDepth {
 /// the way along an axis of the world that parts their boxes; 0 for bodies that are apart. Errors: no such body, and the request to
 /// stop.
 pub fn body_depth(bodies: &Bodies, who: Who<'_>, pair: [u32; 2], go_on: GoOn<'_>) -> Result<BodyDepth> {
+    let [a, b] = pair;
+    if a > b && !matches!(who, Who::Others(_)) {
+        // In one order, because the depth found depends on it.
+        let found = body_depth(bodies, who, [b, a], go_on)?;
+        return Ok(BodyDepth { translation: scaled(&found.translation, -1.0), ..found });
+    }
     let [first, second] = bodies.pair(who, pair)?;
     if first.0.is_solid() && second.0.is_solid() {
         return Ok(of_solids(first, second));
     }
     let ToolAndMockup { scene, tool, pose, frame, is_turned } = bodies.as_tool_and_mockup(who, pair)?;
-    let found = ContactSolver::new(Arc::clone(&scene)).stoppable(go_on).penetration(&tool, &pose, 0.0, None)?;
-    if found.depth == 0.0 && found.kind == PenetrationKind::Exact {
+    let (along, apart) = along_an_axis(first, second);
+    let two = Two { scene: &scene, tool: &tool, pose: &pose, apart, go_on };
+    if two.are_apart(&[0.0; 3], apart)? {
         return Ok(BodyDepth { translation: [0.0; 3], depth: 0.0, is_least: true });
     }
-    let (along, beyond) = along_an_axis(first, second);
-    // Farther by the rounding of the world's coordinates: what slides on may be free at one length by rounding alone.
-    let depth = found.depth + beyond;
-    let moved = scaled(&found.translation, depth / found.depth);
-    let is_parted = !scene.is_colliding(&tool, &pose.translated(&moved)?);
-    if found.kind == PenetrationKind::Estimate || along.depth <= depth || !is_parted {
-        return Ok(along);
+    match two.way_apart(along.depth)? {
+        Some(way) if length(&way) < along.depth => {
+            let sense = if is_turned { 1.0 } else { -1.0 };
+            let translation = std::array::from_fn(|i| sense * dot(&frame.rotation()[i], &way));
+            Ok(BodyDepth { translation, depth: length(&way), is_least: false })
+        }
+        _ => Ok(along),
     }
-    let sense = if is_turned { 1.0 } else { -1.0 };
-    let translation = std::array::from_fn(|i| sense * dot(&frame.rotation()[i], &moved));
-    Ok(BodyDepth { translation, depth, is_least: false })
+}
+
+/// Two bodies as tool and mock-up.
+struct Two<'a> {
+    scene: &'a Arc<Scene>,
+    tool: &'a Tool,
+    pose: &'a Pose,
+    /// How far they have to be from each other to be parted for sure, metres: the rounding of the world's coordinates.
+    apart: f64,
+    go_on: GoOn<'a>,
+}
+
+impl Two<'_> {
+    /// A translation of the tool that parts it, no longer than `most`, metres.
+    fn way_apart(&self, most: f64) -> Result<Option<Point>> {
+        let solver = ContactSolver::new(Arc::clone(self.scene));
+        let found = solver.stoppable(self.go_on).penetration(self.tool, self.pose, 0.0, None)?;
+        if found.kind != PenetrationKind::Estimate {
+            if let Some(way) = self.parted_from(&solver, found.translation)? {
+                return Ok(Some(way));
+            }
+        }
+        let mut axes: Vec<Point> = found.contacts.planes.iter().map(|p| p.normal).collect();
+        axes.extend(cube_axes(self.pose));
+        match probe_axes((self.scene, self.go_on), self.tool, self.pose, &axes, most) {
+            Some(start) => self.parted_from(&solver, start),
+            None => Ok(None),
+        }
+    }
+
+    /// A translation near one after which the two meet by rounding at most, and after which they are apart for sure: it also leaves
+    /// the faces that they are flush with. `None` if there is none.
+    fn parted_from(&self, solver: &ContactSolver, start: Point) -> Result<Option<Point>> {
+        for is_flipped in [false, true] {
+            let mut planes: Vec<(Point, f64)> = Vec::new();
+            let mut more = [0.0; 3];
+            for _ in 0..ROUNDS {
+                let way = add(&start, &more);
+                if self.are_apart(&way, 0.5 * self.apart)? {
+                    return Ok(Some(way));
+                }
+                let there = self.pose.translated(&way)?;
+                let contacts = solver.stoppable(self.go_on).contacts(self.tool, &there, NEAR * self.apart, None)?;
+                for plane in &contacts.planes {
+                    // Of an open surface the other side may be the right one.
+                    let normal = scaled(&plane.normal, if is_flipped && plane.assumed { -1.0 } else { 1.0 });
+                    planes.push((normal, dot(&normal, &more) + self.apart - plane.gap.min(self.apart)));
+                }
+                keep_tightest(&mut planes);
+                match min_norm(&planes) {
+                    Some((found, _)) if length(&found) <= FARTHER * self.apart && found != more => more = found,
+                    _ => break,
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether the moved tool meets nothing and is farther than `by` from all, metres.
+    fn are_apart(&self, way: &Point, by: f64) -> Result<bool> {
+        let moved = self.pose.translated(way)?;
+        Ok(is_free_and_outside((self.scene, self.go_on), self.tool, &moved)
+            && self.scene.stoppable(self.go_on).nearest(self.tool, &moved, 1, by)?.is_empty())
+    }
 }
 
 /// The shortest way along an axis of the world that parts the box of the second body from that of the first; and how much farther
@@ -117,10 +193,12 @@ fn of_solids(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyD
     let origin = a[0];
     a.iter_mut().chain(&mut b).for_each(|p| *p = sub(p, &origin));
     let found = convex_depth(&a, &b);
-    if found.depth < 0.0 {
+    let beyond = BEYOND[1] * around.largest_coordinate();
+    // What is nearer than the rounding of coordinates may meet.
+    if found.depth < -beyond {
         return BodyDepth { translation: [0.0; 3], depth: 0.0, is_least: true };
     }
-    let by = found.depth * (1.0 + BEYOND[0]) + BEYOND[1] * around.largest_coordinate();
+    let by = found.depth.max(0.0) * (1.0 + BEYOND[0]) + beyond;
     let translation = found.direction.map(|x| x * by);
     BodyDepth { translation, depth: length(&translation), is_least: found.is_least }
 }

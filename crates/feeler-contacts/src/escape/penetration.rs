@@ -189,7 +189,7 @@ fn first_normal(contacts: &Contacts) -> Point {
 }
 
 /// Keeps of parallel planes the tightest, and of all no more than [`min_norm`] can take.
-fn keep_tightest(planes: &mut Vec<(Point, f64)>) {
+pub(crate) fn keep_tightest(planes: &mut Vec<(Point, f64)>) {
     let mut order: Vec<usize> = (0..planes.len()).collect();
     order.sort_by(|i, j| planes[*j].1.total_cmp(&planes[*i].1).then(i.cmp(j)));
     let mut kept: Vec<usize> = Vec::new();
