@@ -522,7 +522,7 @@ def test_flush_objects_of_a_turned_assembly_are_parted_by_their_depth(kinds: str
                 continue
             contact = contacts[0]
             if overlap == 0.0 or kinds == "BB":
-                assert 0.0 < contact.depth < (1.01 * overlap + 1e-9) * size
+                assert 0.0 < contact.depth < (1.01 * overlap + 1e-8) * size
             if len({*kinds}) == 2:
                 assert manager.min_distance_internal() == pytest.approx(-contact.depth, rel=1e-12)
             moved_one = {"a": turn, "b": second}[contact.pair[1]].copy()

@@ -79,6 +79,20 @@ def test_other_times_and_tools_ask_what_they_change(monkeypatch: pytest.MonkeyPa
     assert set(found) == {"s0/bolt", "s1/bolt"}
 
 
+def test_a_mistake_in_a_row_loses_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = nightly.task
+
+    def wrong(scene: feeler.Scene, wanted: Any, *args: Any, **options: Any) -> feeler.Task:
+        if wanted == [scene.mockup.part_paths.index("s1/bolt")]:
+            raise AttributeError("no such thing")
+        return plain(scene, wanted, *args, **options)
+
+    monkeypatch.setattr(nightly, "task", wrong)
+    run = planned(scene_of(parts(2)))
+    assert [row.state for row in run] == ["out", "out", "failed", "out"]
+    assert "please report it (AttributeError: no such thing)" in json.dumps(run.to_dict())
+
+
 def test_parts_that_are_remembered_are_asked_for_further_directions(monkeypatch: pytest.MonkeyPatch) -> None:
     """As a part that rides on another is, for those of the other."""
     base = planned(scene_of(parts(2)))

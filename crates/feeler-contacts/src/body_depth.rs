@@ -113,6 +113,13 @@ impl Two<'_> {
                     _ => break,
                 }
             }
+            // Edges that lie on each other have planes that nothing satisfies, beside the one of the faces.
+            for (normal, _) in &planes {
+                let way = add(&start, &scaled(normal, 2.0 * self.apart));
+                if self.are_apart(&way, 0.5 * self.apart)? {
+                    return Ok(Some(way));
+                }
+            }
         }
         Ok(None)
     }

@@ -34,7 +34,7 @@ from feeler.plan.sight import sight
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.spreading import Interrupted, check_executor, spread
-from feeler.stopping import check_stop
+from feeler.stopping import TaskStopped, check_stop
 from feeler.tasks.answer import Task
 from feeler.tasks.digests import digest_of, facts_of, short
 from feeler.tasks.holding import Holds, holds
@@ -277,6 +277,12 @@ def _answered(scene: Scene, asked: _Asked, job: _Job) -> _Row:
         )
     except FeelerError as error:
         return _Row(Plan.failed(str(error)), [], tuple(recall.used), tuple(recall.new))
+    except TaskStopped:
+        raise
+    except Exception as error:
+        # A mistake of feeler's in one row must not lose the others of a night.
+        said = f"a mistake of feeler, please report it ({type(error).__name__}: {error})"
+        return _Row(Plan.failed(said), [], tuple(recall.used), tuple(recall.new))
     noted.is_on = True
     noted.ask(keys[part] for part in job.wanted.parts)
     is_cut = time.monotonic() - begin >= asked.seconds
