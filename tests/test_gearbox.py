@@ -306,8 +306,8 @@ def test_tools_reach_the_fasteners() -> None:
         assert not judged.wrong_swing(fastener)
         assert judged.wrong_swing(dataclasses.replace(fastener, swing_rad=fastener.swing_rad - np.deg2rad(0.5)))
     faulty = judge.Ways(judge.of_sample(LEAST, 0, ["blocked_bolt"]))
-    bolt, guard = faulty.truth.faults[0].parts
-    assert faulty.in_the_way(next(f for f in faulty.truth.fasteners if f.path == bolt)) == [guard]
+    bolt, guard, sleeve = faulty.truth.faults[0].parts
+    assert sorted(faulty.in_the_way(next(f for f in faulty.truth.fasteners if f.path == bolt))) == [guard, sleeve]
 
 
 def boxes_of(fastener: Any) -> feeler.Tool:
@@ -600,7 +600,7 @@ def test_faults_that_share_none() -> None:
     least = judge.gaps(faulty, 6e-3, [near.parts[0], blocked.parts[0]])
     a, b = near.parts
     assert min(gap for pair, gap in least.items() if set(pair) == {a, b}) == pytest.approx(4.5e-3, abs=2e-4)
-    bolt, guard = blocked.parts
+    bolt, guard, _ = blocked.parts
     assert 1e-3 < min(gap for pair, gap in least.items() if set(pair) == {bolt, guard}) < 3e-3
     assert not [pair for pair in judge.near_pairs(faulty.meshes, 5e-3) if floating.parts[0] in pair]
 
@@ -661,11 +661,14 @@ def test_faults_leave_all_other_parts_as_they_are(seed: int) -> None:
 
 def test_the_guard_comes_out_after_its_plug() -> None:
     truth = feeler.sample_truth("gearbox", LEAST, faults=["blocked_bolt"])
-    bolt, guard = truth.faults[0].parts
+    bolt, guard, sleeve = truth.faults[0].parts
     way = truth.way(guard)
     assert [step.parts[0] for step in way] == [guard.replace("guard", "blanking_plug"), guard]
     assert not way[-1].blocked_by and guard in truth.way(guard.replace("guard", "cover"))[-1].after
-    assert truth.holds(guard) == (guard.replace("guard", "blanking_plug"),)
+    assert truth.holds(guard) == (guard.replace("guard", "blanking_plug"),) and truth.holds(sleeve) == (guard,)
+    mockup = feeler.sample("gearbox", LEAST, faults=["blocked_bolt"])
+    found = feeler.access(feeler.Scene(mockup), feeler.catalogue(), feeler.find_fasteners(mockup, bolt))
+    assert not found[0].is_reachable
     assert truth.way(bolt)[-1].blocked_by == ("blocked_bolt",)
 
 

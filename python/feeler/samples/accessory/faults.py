@@ -24,6 +24,9 @@ WITHIN_MM, OFF_MM = 10.0, 20.0
 RULE_MM, NEARER_MM = 5.0, 0.5
 """The clearance that a rule requires of pipes, and by how much less two parts have."""
 NARROW_MM = 2.0
+HEAD_FLATS_MM = 8.0
+SLEEVE_MM, SLEEVE_DIAMETERS_MM = 3.1, (9.9, 11.5)
+"""How far a sleeve reaches down a bolt's head, and its diameters: around the corners, where a socket has room."""
 INCH_MM = 25.4
 
 
@@ -97,8 +100,16 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.wait(cover, path)
     top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
     room = float(times(face[:3, 3] - top, face[:3, 2]))
-    says = f"a guard stands {room:.1f} mm over the bolt's head"
-    return Planted("blocked_bolt", [bolt, path], "no tool access", room * MM, says, [plug])
+    # Around the head, so that no spanner comes in from the side.
+    sleeve, high = "covers/idler_front/guard_sleeve", room + SLEEVE_MM
+    foot = frame(face[:3, 3] + way - high * face[:3, 2], face[:3, 2], way)
+    asm.add(sleeve, "aluminium", standard.seal_washer, *SLEEVE_DIAMETERS_MM, high, pose=foot)
+    asm.flush(sleeve, path)
+    bore = SLEEVE_DIAMETERS_MM[0] / 2.0
+    asm.fit(bolt, sleeve, "clearance", bore - HEAD_FLATS_MM / np.sqrt(3.0), bore)
+    asm.weld(sleeve, path)
+    says = f"a guard stands {room:.1f} mm over the bolt's head, and its sleeve around it"
+    return Planted("blocked_bolt", [bolt, path, sleeve], "no tool access", room * MM, says, [plug])
 
 
 def _no_way_out(asm: Assembly) -> Planted:

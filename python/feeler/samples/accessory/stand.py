@@ -239,6 +239,8 @@ def mount(shop: Workshop, s: Stand, side: str, sign: float) -> None:
             8.0,
             after=[f"bracket/{side}_hanger"],
         )
+    for each in bolts[::2]:
+        asm.keep(each, "thread", rear)
     asm.step(path, pull(base[:3, 2], AWAY), after=bolts)
     face = times(base, at(z=36.5))
     disc = asm.add(f"{group}/retainer", "zinc-plated steel", standard.seal_washer, 9.0, 40.0, 3.0, pose=face, spin=True)
@@ -363,6 +365,8 @@ def door(shop: Workshop, s: Stand) -> None:
             leaves.append((name, leaf, bolts))
             if name == "door":
                 moving += [leaf, *bolts]
+                for each in bolts:
+                    asm.keep(each, "thread", panel)
         pin = asm.add(
             f"door/pin_{k + 1}", "stainless steel", standard.turned_part,
             tuple(cut.sharp([(3.0, -2.0), (3.0, -0.4), (PIN, -0.4), (PIN, 43.0), (PIN - 0.5, 43.5)])),
