@@ -239,11 +239,16 @@ def test_ignored_pairs_removals_and_clashes() -> None:
 def test_pickled_and_saved(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     scene = feeler.Scene(assembly(rng)).without("part_2")
-    moved = scene.moved({(1, 4, 8): pose(rng)})
+    moved, place = scene.moved({(1, 4, 8): pose(rng)}), pose(rng)
     tool = feeler.Tool(*ball(rng, 0.3))
     copy = pickle.loads(pickle.dumps(moved))
     assert copy.part_mask.tolist() == moved.part_mask.tolist()
     assert_same(moved, copy, tool, rng)
+    # It knows where its parts are modelled, and what was set of its mock-up.
+    assert_same(moved.moved({5: place}), copy.moved({5: place}), tool, rng)
+    assert np.array_equal(copy.moved({}).mockup.vertices, scene.mockup.vertices)
+    moved.mockup.part_colours = np.full((moved.mockup.part_count, 3), 0.5)
+    assert pickle.loads(pickle.dumps(moved)).mockup.part_colours.tolist() == moved.mockup.part_colours.tolist()
     moved.save(tmp_path / "moved.feeler")
     opened = feeler.open_scene(tmp_path / "moved.feeler")
     opened.validate()

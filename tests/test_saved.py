@@ -204,6 +204,27 @@ def test_a_document_that_cannot_be_right_is_refused(engine: feeler.Scene, tmp_pa
             feeler.open_scene(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("part_colours", np.ones((3, 4))),
+        ("part_colours", [1.0, 0.0, 0.0]),
+        ("part_colours", "red"),
+        ("part_names", ["a", "b"]),
+        ("part_paths", ["a", "b", 3]),
+    ],
+)
+def test_what_was_set_wrong_replaces_no_file(name: str, value: Any, tmp_path: Path) -> None:
+    mockup = feeler.Mockup(np.eye(3), [[0, 1, 2]] * 3, [0, 1, 2])
+    path = tmp_path / "s.feeler"
+    feeler.Scene(mockup).save(path)
+    before = path.read_bytes()
+    setattr(mockup, name, value)
+    with pytest.raises(feeler.MeshError, match=f"{name} was set to .* 3"):
+        feeler.Scene(mockup).save(path)
+    assert path.read_bytes() == before
+
+
 def test_places_that_cannot_be_written_are_refused(engine: feeler.Scene, tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "no" / "a.feeler", Path("/")):
         with pytest.raises(feeler.WriteError, match="cannot write"):

@@ -292,6 +292,7 @@ ROOMS: dict[str, set[str]] = {
     "batches": {"_core", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
     "depths": {"words"},
+    "scene_pickles": {"errors", "travel"},
     "scene": {
         *("_core", "arguments", "atomic", "batches", "calibrate", "choices", "depths", "enumerations", "errors"),
         *(
@@ -304,6 +305,7 @@ ROOMS: dict[str, set[str]] = {
             "progress",
             "renamed",
             "saved",
+            "scene_pickles",
             "spreading",
             "travel",
         ),

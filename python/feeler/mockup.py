@@ -208,6 +208,8 @@ class Mockup(_Attributed, _core.Mockup):
     """
     _modelled: Mockup | None = None
     """The mock-up with all parts where they are modelled, where this one has some moved (`Scene.moved`)."""
+    _moves: tuple[list[int], npt.NDArray[np.float64]] | None = None
+    """Then: by part the number of its pose, or -1, and the poses."""
 
     def __new__(
         cls,
@@ -252,13 +254,15 @@ class Mockup(_Attributed, _core.Mockup):
         vars(self).update(_attributes(file))
         return self
 
-    def _with_moved(self, core: _core.MovedMockup) -> Mockup:
+    def _with_moved(
+        self, core: _core.MovedMockup, moves: tuple[list[int], npt.NDArray[np.float64]] | None = None
+    ) -> Mockup:
         """The mock-up of a core in which parts of this one are moved."""
         moved = super().__new__(type(self), core)
         moved.part_names, moved.part_paths, moved.source = self.part_names, self.part_paths, self.source
         moved.part_colours = self.part_colours
         moved._keep_attributes(self._part_attributes)
-        moved._modelled = self
+        moved._modelled, moved._moves = self, moves
         return moved
 
     @cached_property
@@ -289,7 +293,9 @@ class Mockup(_Attributed, _core.Mockup):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its arrays, or the path and hash of the saved scene that they are in, and all attributes."""
-        attributes = {name: value for name, value in self.__dict__.items() if name not in ("_saved", "_modelled")}
+        attributes = {
+            name: value for name, value in self.__dict__.items() if name not in ("_saved", "_modelled", "_moves")
+        }
         file = self._saved
         if file is not None and file.is_there:
             own = {**_attributes(file), "parts": attributes.get("parts")}

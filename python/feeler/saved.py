@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core, attributes
-from feeler.arguments import check_path
+from feeler.arguments import check_path, shown
 from feeler.attributes import Attributes
-from feeler.errors import FeelerError, LoadError, MissingFileError
+from feeler.errors import FeelerError, LoadError, MeshError, MissingFileError
 from feeler.memory import free_memory
 from feeler.source import Source
 
@@ -123,13 +123,28 @@ class Facts(NamedTuple):
     colours: npt.NDArray[np.float64] | None
 
 
-def extras(facts: Facts, stated: Attributes | None) -> list[tuple[str, bytes]]:
-    """The sections of the file that keep these facts, and the attributes of its parts."""
+def extras(facts: Facts, stated: Attributes | None, parts: int) -> list[tuple[str, bytes]]:
+    """The sections of the file that keep these facts, and the attributes of its parts.
+
+    Raises `MeshError` for names and colours that are not those of so many parts: they can be set to anything.
+    """
+    texts: tuple[tuple[str, object], ...] = (("part_names", facts.part_names), ("part_paths", facts.part_paths))
+    for name, listed in texts:
+        if not isinstance(listed, list) or len(listed) != parts or not all(isinstance(each, str) for each in listed):
+            raise MeshError(f"{name} was set to {shown(listed)}: give a list with a text for each of {parts} parts")
     paths = None if facts.part_paths == facts.part_names else facts.part_paths
     document = {"part_names": facts.part_names, "part_paths": paths, "source": asdict(facts.source)}
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
     if facts.colours is not None:
-        sections.append((_COLOURS, np.ascontiguousarray(facts.colours, dtype="<f8").tobytes()))
+        try:
+            colours = np.ascontiguousarray(facts.colours, dtype="<f8")
+        except (TypeError, ValueError):
+            colours = np.zeros(0)
+        if colours.shape != (parts, 3):
+            given: object = facts.colours
+            what = f"an array {given.shape}" if isinstance(given, np.ndarray) else shown(given)
+            raise MeshError(f"part_colours was set to {what}: give an array ({parts}, 3), or None")
+        sections.append((_COLOURS, colours.tobytes()))
     if stated is not None:
         sections.append((_ATTRIBUTES, attributes.to_bytes(stated)))
     return sections

@@ -15,7 +15,7 @@ from typing import Any, cast, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core, saved
+from feeler import _core, saved, scene_pickles
 from feeler._core import (
     Batch,
     Cast,
@@ -203,7 +203,8 @@ class Scene(_core.Scene):
 
         The new scene shares the index, and only the triangles that move are indexed, in milliseconds for a few
         thousand. Its `mockup` has the parts moved; part and triangle indices do not change, and every query answers as
-        in a scene of that mock-up. `save` and clashes of all parts index it as a whole first.
+        in a scene of that mock-up. `save` and clashes of all parts index it as a whole first. In a file, and in a
+        pickle of the mock-up alone, parts are modelled where they were moved to.
 
         A triangle without area where it is modelled stays out of queries. Vertices that parts of several poses share
         are given to each, behind the others. Raises `OptionError` for parts that do not exist or have two poses,
@@ -232,7 +233,8 @@ class Scene(_core.Scene):
                 return self
             return self._made_of(super()._selected_moved([], poses, lambda _: modelled))
         places = np.where(chosen, pose_of_part, -1).tolist()
-        return self._made_of(super()._selected_moved(places, poses, modelled._with_moved))
+        made = partial(modelled._with_moved, moves=(places, poses))
+        return self._made_of(super()._selected_moved(places, poses, made))
 
     def save(self, path: str | os.PathLike[str], progress: Progress | None = None) -> str:
         """Save the scene in one file, for `feeler.open_scene` and every command; return the hash of its mock-up.
@@ -242,7 +244,8 @@ class Scene(_core.Scene):
         stays whole if the disk is full. Other storages than `"blocks"` are built again when the file is opened.
 
         Files are read by the version of feeler that wrote them, or one with the same layout; others refuse them. Keep
-        the files that the mock-up was loaded from. Raises `WriteError`.
+        the files that the mock-up was loaded from. Raises `WriteError`, and `MeshError` for names or colours of the
+        mock-up that were set to something else.
         """
         check_progress(progress)
         return self._save_with(path, [], progress)
@@ -254,7 +257,7 @@ class Scene(_core.Scene):
         mockup = self.mockup
         facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
         target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
-        return super()._save(target, saved.extras(facts, mockup._part_attributes) + others, progress)
+        return super()._save(target, saved.extras(facts, mockup._part_attributes, mockup.part_count) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:
@@ -614,21 +617,11 @@ class Scene(_core.Scene):
         return super().section(_vector("point", point), _vector("normal", normal))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        built = {"voxel_size": self.voxel_size, "storage": self.storage, "hashing": self.hashing}
-        attributes = {name: value for name, value in self.__dict__.items() if name not in ("build_seconds", "_given")}
-        mask = self.part_mask
-        state = (type(self), self.mockup, {**built, **self._given}, None if mask.all() else mask)
-        return (*reduced("Scene", state), attributes)
+        return scene_pickles.reduced_scene(self)
 
     @classmethod
-    def _restore(cls, mockup: Mockup, options: dict[str, Any], mask: npt.NDArray[np.bool_] | None) -> Scene:
-        try:
-            scene = Scene.__new__(cls, mockup, **options)
-        except OptionError:
-            if options["simd"] is None:
-                raise
-            scene = Scene.__new__(cls, mockup, **{**options, "simd": None})
-        return scene if mask is None else scene.only(mask)
+    def _restore(cls, *state: Any) -> Scene:
+        return cast(Scene, scene_pickles.restored_scene(partial(Scene.__new__, cls), *state))
 
     def __copy__(self) -> Scene:
         return self
