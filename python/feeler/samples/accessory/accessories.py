@@ -513,7 +513,6 @@ def oil_filter(shop: Workshop) -> None:
             14.0 + GASKET,
             8.0,
             after=(["lines/fuel_pipe/adapter_2"], ["lines/oil_pipe/adapter_2"], [], [])[k],  # in the way of the wrench
-            door_open=True,
             away=100.0,
         )
     asm.step(
@@ -522,7 +521,7 @@ def oil_filter(shop: Workshop) -> None:
         after=[*bolts, bowl],
         door_open=True,
     )
-    asm.step(seal, pull(down, 100.0), after=[head], door_open=True)
+    asm.step(seal, pull(down, 100.0), after=[head])
 
 
 def drain_plug(shop: Workshop) -> None:
@@ -537,6 +536,6 @@ def drain_plug(shop: Workshop) -> None:
     asm.fit(plug, rear, "thread as helices", *standard.thread_play(asm.cut))
     asm.keep(rear, "thread", plug)
     down = base[:3, 2]
-    asm.step(plug, screw(down, base[:3, 3], 13.0, standard.PLUG_PITCH), pull(down, 60.0), door_open=True)
-    asm.step(ring, pull(down, 60.0), after=[plug], door_open=True)
+    asm.step(plug, screw(down, base[:3, 3], 13.0, standard.PLUG_PITCH), pull(down, 60.0))
+    asm.step(ring, pull(down, 60.0), after=[plug])
     asm.fasten(plug, "bolt", "socket", standard.PLUG_FLATS, times(base, at(z=10.5)), [ring])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -106,7 +107,7 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.add(sleeve, "aluminium", standard.seal_washer, *SLEEVE_DIAMETERS_MM, high, pose=foot)
     asm.flush(sleeve, path)
     bore = SLEEVE_DIAMETERS_MM[0] / 2.0
-    asm.fit(bolt, sleeve, "clearance", bore - HEAD_FLATS_MM / np.sqrt(3.0), bore)
+    asm.fit(bolt, sleeve, "clearance", bore - HEAD_FLATS_MM / math.sqrt(3.0), bore)
     asm.weld(sleeve, path)
     says = f"a guard stands {room:.1f} mm over the bolt's head, and its sleeve around it"
     return Planted("blocked_bolt", [bolt, path, sleeve], "no tool access", room * MM, says, [plug])

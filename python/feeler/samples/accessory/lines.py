@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -210,7 +211,7 @@ CLIP_AT, CLIP_ASIDE = (0.36, 0.33, 0.39, 0.42, 0.45, 0.48, 0.51, 0.54, 0.57, 0.6
 POST_ROOM = 7.5
 """Between the middle of the post and a pad: half its width over corners, a gap, and a chord."""
 OIL_PORT = (-10.0, 0.0)
-NUT_CORNER = 17.0 / np.sqrt(3.0)
+NUT_CORNER = 17.0 / math.sqrt(3.0)
 """Half the width of union nuts across their corners."""
 APART = 5.3
 """How far pipes and hoses are from what they do not fit, chords included."""
