@@ -46,8 +46,8 @@ def sample(
     `name`, after the paper's Table 1: "carcass" (nested engine casings, flanges, bolts, panels), "differential" (bevel
     and spur gears, bearings, housing; 0.8 m), "turbine" (bladed disks, shafts, casings), "externals" (pipes, clamps,
     harness, boxes, gearbox), "engine" (an aero-engine's core, dressed; 3 m) or "tay" (a turbofan in its nacelle; 4 m).
-    Also "gearbox": an engine's accessory gearbox on its bracket, 0.5 m, modelled like real ones: every fit is named, no
-    other parts touch, and `feeler.sample_truth` has the expected results.
+    Also "gearbox": an engine's accessory gearbox on its bracket, 0.45 m, modelled like real ones: every fit is named,
+    no other parts touch, and `feeler.sample_truth` has the expected results.
     `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
     from about 40 thousand to 4 million); the result is within 10 % (mostly 1 %) of it, never above. The number of parts
     grows with its square root, except for the gearbox. `seed`: another arrangement of pipes, cables, boxes; for the
@@ -65,6 +65,8 @@ def sample(
     mock-up cannot be tessellated to.
     """
     check_progress(progress)
+    given: object = faults
+    faults = list(faults) if isinstance(given, Iterable) and not isinstance(given, str) else faults
     parts = sample_parts(
         name, triangles, seed, faults=faults, progress=progress and (lambda share, stage: progress(0.75 * share, stage))
     )
@@ -79,7 +81,7 @@ def sample(
         source=Source(
             format="sample",
             unit_source="samples are metres",
-            notes=(f"{name}, seed {seed}",),
+            notes=(", ".join([f"{name}, seed {seed}", *(f"with the fault {each}" for each in faults)]),),
             up="y" if name == GEARBOX else None,
         ),
     )

@@ -23,8 +23,8 @@ stops."""
 class Fit:
     """Two parts that touch or fit into each other. Pairs without a fit neither touch nor cross.
 
-    A pair has one entry, the same at any number of triangles: that of the cylinder, thread, spline or teeth, if it has
-    such a fit; otherwise "line to line".
+    A pair has one entry, at any number of triangles the same but for its depth: that of the cylinder, thread, spline or
+    teeth, if it has such a fit; otherwise "line to line".
     """
 
     a: str
