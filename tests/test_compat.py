@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -182,6 +183,20 @@ def test_a_convex_mesh_is_solid_and_others_are_surfaces() -> None:
     manager.add_object("ring", ring)
     manager.add_object("other", ring, at(1.0))
     assert manager.min_distance_internal() == 0.0
+
+
+def test_contacts_travel_before_and_after_their_depth_is_asked() -> None:
+    manager = CollisionManager()
+    manager.add_object("a", CUBE)
+    manager.add_object("b", CUBE, at(0.75))
+    contact = manager.in_collision_internal(return_data=True)[1][0]
+    for _ in range(2):
+        for again in (pickle.loads(pickle.dumps(contact)), copy.deepcopy(contact)):
+            assert (again.pair, again.depth, again.normal.tolist()) == (
+                contact.pair,
+                contact.depth,
+                contact.normal.tolist(),
+            )
 
 
 def test_depth_and_normal_are_of_the_time_of_the_question() -> None:

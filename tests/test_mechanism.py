@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -47,6 +49,17 @@ def hinge_contact() -> float:
     """The angle at which the door's front edge, at y 0.01, meets the wall's edge at (0.3, 0.5)."""
     far = math.hypot(0.3, 0.5)
     return math.atan2(0.5, 0.3) - math.asin(0.01 / far)
+
+
+def test_a_mechanism_with_seats_travels_after_a_question() -> None:
+    """A drawer that lies on its rail, up to a stop."""
+    drawer, rail = ((0.0, 0.0, 0.0), (0.2, 0.1, 0.1)), ((-0.5, 0.0, -0.1), (1.0, 0.1, 0.0))
+    mock = mockup(drawer=drawer, rail=rail, stop=((0.5, 0.0, 0.01), (0.6, 0.1, 0.2)))
+    slide = Mechanism(mock, [Joint("slide", "prismatic", None, "drawer", (1.0, 0.0, 0.0))])
+    found = slide.range("slide")
+    assert found.seats and found.upper == pytest.approx(0.3, abs=1e-5)
+    for again in (pickle.loads(pickle.dumps(slide)), copy.deepcopy(slide)):
+        assert again.range("slide").upper == found.upper
 
 
 def test_a_door_opens_up_to_the_wall_and_the_range_tells_what_it_met() -> None:

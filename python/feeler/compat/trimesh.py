@@ -101,6 +101,10 @@ class _Parting:
         self._asked: tuple[_core.Bodies, _core.Bodies | None] | None = (bodies, others)
         self._found: Floats = np.zeros(3)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Found first: the bodies do not travel."""
+        return {"pair": self.pair, "_asked": None, "_found": self.translation}
+
     @property
     def translation(self) -> Floats:
         if self._asked is not None:

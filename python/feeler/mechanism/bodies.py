@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -50,6 +51,10 @@ class Bodies:
         self._scenes: dict[int, Scene] = {}
         self._touching: dict[tuple[int, int], list[tuple[int, int]]] = {}
         self._seats: dict[tuple[int, int], tuple[Seated, ...]] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Seats are found again: they know how to move on, which does not travel."""
+        return {**vars(self), "_seats": {}}
 
     @cached_property
     def scene(self) -> Scene:
