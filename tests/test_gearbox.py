@@ -16,6 +16,7 @@ import pytest
 
 import feeler
 from feeler.samples import FAULTS, KEEPS
+from feeler.samples.accessory import polygon
 from feeler.samples.accessory.polygon import triangulated
 from feeler.samples.accessory.solid import Cut, Solid
 from feeler.samples.accessory.swings import widest_swing
@@ -707,6 +708,15 @@ def test_unknown_faults_and_other_samples() -> None:
 
 
 # --- the builder ------------------------------------------------------------------------------------------------------
+
+
+def test_no_triangle_is_lower_than_the_grid_where_the_face_can_be_cut_otherwise() -> None:
+    """The middle of the upper side is a tenth of a grid step below its ends: as an ear it would be turned over."""
+    points = np.array([[0.0, 0.0], [200.0, 0.0], [200.0, 10.0], [100.0, 10.0 - 5e-5], [0.0, 10.0]])
+    rows = polygon._lifted(points, np.array([[2, 3, 4], [0, 2, 4], [0, 1, 2]]))
+    heights = polygon._height(points[rows])
+    assert heights.min() > 1.0
+    assert sorted({*rows.ravel().tolist()}) == [0, 1, 2, 3, 4]
 
 
 def test_polygons_with_holes() -> None:

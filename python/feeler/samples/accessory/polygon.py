@@ -10,6 +10,8 @@ from ..mesh import Floats, Ints, times
 
 MARGIN_MM = 1.5e-3
 """No triangle is lower or nearer to a corner of another one, where that can be: three steps of the vertex grid."""
+LOW_MM = 5e-4
+"""A step of the vertex grid."""
 PASSES = ((MARGIN_MM, MARGIN_MM), (0.0, MARGIN_MM), (0.0, 0.0))
 """How near to a corner and how low ears may be: better one that is near than none, better a low one than none."""
 
@@ -126,7 +128,35 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
     if left > 3:
         raise ValueError(f"a face cannot be cut into triangles: {left} corners are left of {n}")
     triangles.append((walk[back[here]], walk[here], walk[ahead[here]]))
-    return np.array(triangles, dtype=np.int64)
+    return _lifted(points, np.array(triangles, dtype=np.int64))
+
+
+def _lifted(points: Floats, triangles: Ints) -> Ints:
+    """The triangles without those so low that the vertex grid could turn them over, where that can be: such a one, and
+    the one across its longest side, are cut the other way."""
+    low = np.flatnonzero(_height(points[triangles]) < LOW_MM).tolist()
+    owner = {(row[k - 1], row[k]): n for n, row in enumerate(triangles.tolist()) for k in range(3)} if low else {}
+    for n in low:
+        corners = points[triangles[n]]
+        k = int(np.argmax(((corners - np.roll(corners, -1, axis=0)) ** 2).sum(axis=1)))
+        a, b, c = np.roll(triangles[n], -k).tolist()
+        other = owner.get((b, a))
+        if other is None:
+            continue
+        d = next(each for each in triangles[other].tolist() if each not in (a, b))
+        new = np.array([(a, d, c), (d, b, c)], dtype=np.int64)
+        if _height(points[new]).min() > _height(points[triangles[[n, other]]]).min():
+            triangles[n], triangles[other] = new
+            owner |= {
+                (row[k - 1], row[k]): at for at, row in zip((n, other), new.tolist(), strict=True) for k in range(3)
+            }
+    return triangles
+
+
+def _height(corners: Floats) -> Floats:
+    """The least height of each triangle (n, 3, 2); negative for one that is turned over."""
+    sides = corners - np.roll(corners, -1, axis=1)
+    return np.asarray(_cross(sides[:, 0], sides[:, 1]) / np.sqrt((sides**2).sum(axis=2).max(axis=1)))
 
 
 def _cross(u: Floats, v: Floats) -> Floats:
