@@ -225,6 +225,17 @@ def test_what_was_set_wrong_replaces_no_file(name: str, value: Any, tmp_path: Pa
     assert path.read_bytes() == before
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_a_link_stays_and_its_file_is_written(tmp_path: Path) -> None:
+    scene = feeler.Scene(feeler.Mockup(np.eye(3), [[0, 1, 2]]))
+    (tmp_path / "link.feeler").symlink_to(tmp_path / "there.feeler")
+    digest = scene.save(tmp_path / "link.feeler")
+    assert (tmp_path / "link.feeler").is_symlink() and (tmp_path / "there.feeler").is_file()
+    assert feeler.open_scene(tmp_path / "link.feeler").save(tmp_path / "again.feeler") == digest
+    with pytest.raises(WriteError, match="folder"):
+        scene.save(f"{tmp_path}/new/")
+
+
 def test_places_that_cannot_be_written_are_refused(engine: feeler.Scene, tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "no" / "a.feeler", Path("/")):
         with pytest.raises(feeler.WriteError, match="cannot write"):

@@ -51,6 +51,8 @@ def check_target(path: str | os.PathLike[str], *endings: str) -> Path:
     for each in endings:
         check_text("endings", each, 'endings of names, such as ".glb"')
     named = _shown(target)
+    if os.fspath(path).endswith(("/", os.sep)):
+        raise WriteError(f"cannot write {named}{os.sep}: that is a folder; give a file name")
     ending = target.suffix.lower()
     if endings and ending in _ENDINGS and ending not in endings:
         give = f"give one that ends in {' or '.join(endings)}"

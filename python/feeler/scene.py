@@ -256,7 +256,10 @@ class Scene(_core.Scene):
         """`save` with more sections."""
         mockup = self.mockup
         facts = saved.Facts(mockup.part_names, mockup.part_paths, mockup.source, mockup.part_colours)
-        target = str(check_target(saved.path_of(path, WriteError), saved.SUFFIX))
+        saved.path_of(path, WriteError)
+        target = str(check_target(path, saved.SUFFIX))
+        if os.path.islink(target):  # the file that it names is written, and the link stays
+            target = str(check_target(os.path.realpath(target)))
         return super()._save(target, saved.extras(facts, mockup._part_attributes, mockup.part_count) + others, progress)
 
     @contextmanager
