@@ -79,7 +79,8 @@ class Step:
     blocked_by: tuple[str, ...] = ()
     """Names of the planted faults that block this step or one that it needs. Empty: the path of the legs is free.
 
-    Otherwise the legs are the path without these faults, and the parts do not come out."""
+    Otherwise the legs are the path without these faults, and the parts do not come out in this order; they may in one
+    in which what a fault added is out before."""
     spread_m: float = 0.0
     """How far each point of a circlip is moved away from the ring's axis: enough to pass over its shaft. 0 for rigid
     parts."""
@@ -267,7 +268,8 @@ class Truth:
     def way(self, path: str) -> tuple[Step, ...]:
         """The steps, in order, that take a part out; empty for parts that stay (`stays` says why).
 
-        The part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown path.
+        In this order the part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown
+        path.
         """
         self._known(path)
         last = next((step for step in self.steps if step.removes and path in step.parts), None)
