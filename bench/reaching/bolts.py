@@ -71,13 +71,12 @@ def gearbox(triangles: int, every: int) -> Result:
 
 
 def planted(triangles: int) -> list[str]:
-    """Tools that reach the bolt under the planted guard: straight ones, and any in a hand."""
+    """Tools that reach the bolt under the planted guard: by themselves, and in a hand."""
     mockup = feeler.sample("gearbox", triangles, faults=["blocked_bolt"])
     truth = feeler.sample_truth("gearbox", triangles, faults=["blocked_bolt"])
     scene, tools = feeler.Scene(mockup, threads=1), feeler.catalogue()
     targets = feeler.find_fasteners(mockup, truth.faults[0].parts[0])
-    straight = tools.where("socket", "extension", "ratchet", "driver", "ring")
-    rows = [*feeler.access(scene, straight, targets), *feeler.access(scene, tools, targets, hand=tools.hand)]
+    rows = [*feeler.access(scene, tools, targets), *feeler.access(scene, tools, targets, hand=tools.hand)]
     return [str(row.tool) for row in rows if row.is_reachable]
 
 
