@@ -81,7 +81,7 @@ def sample(
         source=Source(
             format="sample",
             unit_source="samples are metres",
-            notes=(", ".join([f"{name}, seed {seed}", *(f"with the fault {each}" for each in faults)]),),
+            notes=(f"{name}, seed {seed}" + _planted(list(faults)),),
             up="y" if name == GEARBOX else None,
         ),
     )
@@ -89,6 +89,10 @@ def sample(
     if progress:
         progress(1.0, "done")
     return mockup
+
+
+def _planted(faults: list[Fault]) -> str:
+    return f", with the fault{'s' * (len(faults) > 1)} {', '.join(faults)}" if faults else ""
 
 
 def sample_names() -> tuple[SampleName, ...]:
