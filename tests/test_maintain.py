@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 import zipfile
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import ExitStack
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -264,12 +266,15 @@ def test_rows_do_not_depend_on_the_workers(before: feeler.Maintenance, processes
     scene = scene_of(parts())
     assert facts(feeler.maintain(scene, covers(), tools=driver(), executor=processes)) == facts(before)
     distributed = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
+    with ExitStack() as ends:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # another cluster has the usual port of its pages
+            cluster = ends.enter_context(
+                distributed.LocalCluster(
+                    n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
+                )
+            )
+            client = ends.enter_context(distributed.Client(cluster))
         two = client.get_executor()
         run = feeler.maintain(scene, covers(), tools=driver(), executor=two)
         assert facts(run) == facts(before)

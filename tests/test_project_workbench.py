@@ -617,6 +617,10 @@ def test_a_kill_at_any_moment_loses_nothing_that_was_shown_as_saved(tmp_path: Pa
             reading = threading.Thread(target=lines.extend, args=(process.stdout,))
             assert process.stdout.readline().startswith("writing")
             reading.start()
+            if kill % 2:  # something is saved, however slow the machine
+                end = time.monotonic() + WAIT_S
+                while not any(line.startswith("saved") for line in lines) and time.monotonic() < end:
+                    time.sleep(0.005)
             time.sleep(chance.choice([0.005, 0.05, 0.5]) * chance.random())
             process.send_signal(signal.SIGKILL)
             process.wait()
