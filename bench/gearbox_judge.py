@@ -458,7 +458,7 @@ class Ways:
         return 0.0 if self.in_the_way(fastener, step) else 2.0 * np.pi
 
     def wrong_swing(self, fastener: Fastener) -> str:
-        """What is wrong with the swing of a fastener, as a message; of a socket or key also what is in its way."""
+        """A message if the swing of a fastener is wrong; for a socket or key it names the parts in the way."""
         free = self.turns(fastener)
         if abs(free - fastener.swing_rad) <= SWING_NOISE + SWING_RAD:
             return ""

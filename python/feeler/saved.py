@@ -126,7 +126,8 @@ class Facts(NamedTuple):
 def extras(facts: Facts, stated: Attributes | None, parts: int) -> list[tuple[str, bytes]]:
     """The sections of the file that keep these facts, and the attributes of its parts.
 
-    Raises `MeshError` for names and colours that are not those of so many parts: they can be set to anything.
+    Users can set names and colours to anything. Raises `MeshError` if there is not one text, or one colour, for each
+    part.
     """
     texts: tuple[tuple[str, object], ...] = (("part_names", facts.part_names), ("part_paths", facts.part_paths))
     for name, listed in texts:

@@ -16,7 +16,8 @@ const BEYOND: [f64; 2] = [1e-6, 64.0 * f64::EPSILON];
 
 /// Rounds in which bodies are moved off what they are flush with.
 const ROUNDS: usize = 8;
-/// What is this near counts there, and so far at most they are moved, in units of what parts them for sure.
+/// Which surfaces count there: those nearer than `NEAR`. And how far bodies are moved off them at most. Both in units of the distance
+/// that parts two bodies for sure.
 const NEAR: f64 = 4.0;
 const FARTHER: f64 = 1e4;
 
@@ -89,8 +90,8 @@ impl Two<'_> {
         }
     }
 
-    /// A translation near one after which the two meet by rounding at most, and after which they are apart for sure: it also leaves
-    /// the faces that they are flush with. `None` if there is none.
+    /// A translation near `start` after which the two are apart for sure. After `start` they may still touch by rounding, on faces that
+    /// are flush: the translation found leaves these, too. `None` if there is none.
     fn parted_from(&self, solver: &ContactSolver, start: Point) -> Result<Option<Point>> {
         for is_flipped in [false, true] {
             let mut planes: Vec<(Point, f64)> = Vec::new();
@@ -201,7 +202,7 @@ fn of_solids(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyD
     a.iter_mut().chain(&mut b).for_each(|p| *p = sub(p, &origin));
     let found = convex_depth(&a, &b);
     let beyond = BEYOND[1] * around.largest_coordinate();
-    // What is nearer than the rounding of coordinates may meet.
+    // Bodies nearer to each other than the rounding of coordinates may meet.
     if found.depth < -beyond {
         return BodyDepth { translation: [0.0; 3], depth: 0.0, is_least: true };
     }

@@ -144,7 +144,7 @@ def _exit(status: Any) -> NoReturn:
     """Ends the program. The interpreter is not torn down below threads that nobody waits for, such as one that opens a
     mock-up: it would stop them wherever they take its lock, and the process aborts if that is in C++, as in NumPy's."""
     if isinstance(status, int) and any(thread.daemon for thread in threading.enumerate()):
-        # What the interpreter does first: it waits for the other threads, and calls what is to be called at the end.
+        # The interpreter would begin so: wait for the other threads, then call the functions registered for the end.
         threading._shutdown()  # type: ignore[attr-defined]
         atexit._run_exitfuncs()
         for stream in filter(None, (sys.stdout, sys.stderr)):

@@ -399,7 +399,7 @@ class Mover:
 
     @cached_property
     def contacts(self) -> Contacts:
-        """The contacts with what is near it where it is."""
+        """Its contacts, at its place, with surfaces within `NEAR_SHARE` of its size."""
         return self.rest.contacts(self.tool, np.eye(4), NEAR_SHARE * self.size)
 
     def _looked(self) -> list[Any]:

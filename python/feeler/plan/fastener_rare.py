@@ -72,7 +72,7 @@ FLANK_SPREAD_DEG = 8.0
 FLANK_SHARE = 0.35
 """The least share of flanks in the outline of a knurled head."""
 ROUND_DEG = 20.0
-"""What is turned less from the radius is the round between the grooves."""
+"""Facets whose normals are nearer to the radius belong to the round between the grooves."""
 KNURL_TO_THREAD = (1.5, 6.5)
 """Radius of a knurled head, relative to its thread: 2 to 5 in DIN 464 and DIN 653."""
 KNURL_HEIGHT = (0.08, 1.25)
@@ -269,7 +269,7 @@ def _square(view: View) -> Body | None:
 
 
 def _narrow_square(view: View) -> Body | None:
-    """A square within the width of what is below it."""
+    """A square no wider than the shank below it."""
     squares = [b for b in view.outer() if b.sides == 4]
     return max(squares, key=lambda b: b.high, default=None)
 

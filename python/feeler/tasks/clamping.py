@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 
 _SHARES = (0.6, 0.75, 0.9, 1.05)  # radii of rays beside a shank, in its diameters
 _AROUND = 36  # rays of each radius
-_LEAST = 0.15  # the share of the rays of a radius that go through what is clamped
+_LEAST = 0.15  # a clamped part is met by at least this share of the rays of one radius
 _GAP = 0.04  # what is this near is in contact once the fastener is tight, in diameters
 _LOOSE = 0.1  # the same where nothing nearer takes the force: a nut that hangs below its slot
 _BEYOND = 1.0  # rays end this far behind the upper end of the thread, in diameters: a nut may have a neck
