@@ -65,11 +65,9 @@ def sample(
     mock-up cannot be tessellated to.
     """
     check_progress(progress)
-    given: object = faults
-    faults = list(faults) if isinstance(given, Iterable) and not isinstance(given, str) else faults
-    parts = sample_parts(
-        name, triangles, seed, faults=faults, progress=progress and (lambda share, stage: progress(0.75 * share, stage))
-    )
+    names = _names(faults)  # once: an iterator has no second time
+    part = progress and (lambda share, stage: progress(0.75 * share, stage))
+    parts = _sample_parts(name, triangles, seed, names, part)
     if progress:
         progress(0.75, "checking triangles")
     mockup = Mockup(
@@ -81,7 +79,7 @@ def sample(
         source=Source(
             format="sample",
             unit_source="samples are metres",
-            notes=(f"{name}, seed {seed}" + _planted(list(faults)),),
+            notes=(f"{name}, seed {seed}" + _planted(names),),
             up="y" if name == GEARBOX else None,
         ),
     )
@@ -91,7 +89,7 @@ def sample(
     return mockup
 
 
-def _planted(faults: list[Fault]) -> str:
+def _planted(faults: tuple[str, ...]) -> str:
     return f", with the fault{'s' * (len(faults) > 1)} {', '.join(faults)}" if faults else ""
 
 
@@ -126,8 +124,13 @@ def sample_parts(
     progress: Progress | None = None,
 ) -> MeshParts:
     """The result of `sample` as plain arrays; see there."""
+    return _sample_parts(name, triangles, seed, _names(faults), progress)
+
+
+def _sample_parts(
+    name: SampleName, triangles: int, seed: int, names: tuple[str, ...], progress: Progress | None
+) -> MeshParts:
     wanted, number = _checked(name, triangles, seed)
-    names = _names(faults)
     if name == GEARBOX:
         return accessory.gearbox_parts(wanted, number, names, progress)
     if names:
