@@ -40,8 +40,8 @@ print(f"with the latch turned, it opens by {degrees(free.upper)}")
 
 # The filter: a turn in its bayonet, and out.
 bayonet = mechanism.range("bowl", turned)
-loose = {**turned, "bowl": 0.95 * bayonet.lower}
-print(f"the filter turns in its bayonet by {degrees(-loose['bowl'])}")
+loose = {**turned, "bowl": 0.95 * bayonet.upper}
+print(f"the filter turns in its bayonet by {degrees(loose['bowl'])}")
 closed = feeler.removal(mechanism.scene(loose), bowl, seconds=60.0, rounds=2)
 blockers = ", ".join(blocker.path for blocker in closed.blocked_by if blocker.part in mockup.parts.select(panel))
 print(f"with the door closed it comes out: {closed.is_found}; of the door, these are in the way: {blockers}")

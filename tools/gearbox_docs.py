@@ -70,13 +70,12 @@ def exploded(mockup: feeler.Mockup, truth: Truth) -> tuple[npt.NDArray[np.float6
 
 
 def draw(folder: Path) -> None:
-    """The gearbox from in front and from behind, cut open, and exploded."""
+    """The gearbox whole, exploded, and cut open."""
     mockup = feeler.sample("gearbox", TRIANGLES)
     truth = feeler.sample_truth("gearbox", TRIANGLES)
     body = body_of(mockup)
-    for name, forward in (("gearbox", (-0.5, -0.25, -0.8)), ("front", (0.5, -0.2, 0.75))):
-        camera = Camera.framing(body.points, forward, (0.0, 1.0, 0.0), size=SIZE)
-        render(folder / f"{name}.png", body, camera=camera, size=SIZE)
+    camera = Camera.framing(body.points, (-0.5, -0.25, -0.8), (0.0, 1.0, 0.0), size=SIZE)
+    render(folder / "gearbox.png", body, camera=camera, size=SIZE)
     vertices, shown = exploded(mockup, truth)
     apart = feeler.Mockup(
         vertices, mockup.faces[shown], mockup.part_of_face[shown], mockup.part_names, part_paths=mockup.part_paths

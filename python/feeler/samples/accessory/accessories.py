@@ -370,7 +370,7 @@ def generator(shop: Workshop) -> Floats:
 LIP, GROOVE, THROAT = 19.0, 23.0, 17.6
 """Radii of the bayonet's mouth, of the groove behind it, and of the bore for the bowl's neck."""
 BAYONET, SLOT, LUG = np.deg2rad(60.0), np.deg2rad(54.0), np.deg2rad(44.0)
-"""Of the bayonet: the angle of its turn, and the widths of its slots and lugs."""
+"""Of the bayonet: the angle of its turn, clockwise seen from below to lock it; the widths of its slots and lugs."""
 BAYONET_STOPS, STOP = (np.deg2rad(6.0), np.deg2rad(1.0)), 3.2
 """How far a lug turns beyond the middle of its slot, and beyond its place; height of the stops."""
 
@@ -414,7 +414,7 @@ def filter_head(cut: Cut) -> Solid:
     foot, rim = solid.turned(neck, cut.circle(29.0))
     mouth, behind = solid.outline(lobes(cut, LIP, GROOVE - 1.2, SLOT, 0.0), (45.0, 40.0))
     # behind each slot of the mouth a pocket leads on to where the lug is locked; its ends are the stops
-    ends = -LUG / 2.0 - BAYONET_STOPS[0], BAYONET + LUG / 2.0 + BAYONET_STOPS[1]
+    ends = -BAYONET - LUG / 2.0 - BAYONET_STOPS[1], LUG / 2.0 + BAYONET_STOPS[0]
     pockets = lobes(cut, GROOVE - STOP, GROOVE, ends[1] - ends[0], (ends[0] + ends[1]) / 2.0, 4)
     groove, ledge = solid.outline(pockets, (40.0, 31.0))
     throat, end = solid.turned([(THROAT, 31.0), (THROAT, 18.0)], cut.circle(THROAT))
@@ -442,7 +442,7 @@ def filter_bowl(cut: Cut) -> Solid:
         ],
         cut.arc(THROAT, 2.0 * np.pi, 12),
     )
-    lug_low, lug_high = solid.outline(lobes(cut, neck, GROOVE - 1.7, LUG, BAYONET), (31.5, 39.75))
+    lug_low, lug_high = solid.outline(lobes(cut, neck, GROOVE - 1.7, LUG, -BAYONET), (31.5, 39.75))
     under, body = solid.turned(
         [(neck - 1.2, 39.75), (neck - 1.2, 47.0), (27.0, 48.0), (27.0, 116.0), (22.0, 122.0)], cut.circle(27.0)
     )
@@ -498,9 +498,9 @@ def oil_filter(shop: Workshop) -> None:
     asm.flush(element, bowl)
     asm.keep(bowl, "captive", element)
     down = (0.0, -1.0, 0.0)
-    limits = -BAYONET - BAYONET_STOPS[0], BAYONET_STOPS[1]
+    limits = -BAYONET_STOPS[1], BAYONET + BAYONET_STOPS[0]
     asm.joint("filter_bowl", [bowl, ring, element], down, pose[:3, 3], limits)
-    asm.step([bowl, ring, element], turn(down, pose[:3, 3], -BAYONET), pull(down, 130.0), door_open=True)
+    asm.step([bowl, ring, element], turn(down, pose[:3, 3], BAYONET), pull(down, 130.0), door_open=True)
     bolts = []
     for k, (x, y) in enumerate(FILTER_BOLTS):
         bolts += shop.bolt(

@@ -190,11 +190,12 @@ class Workshop:
         """Both halves with gasket, dowels, and bolts with nuts all round."""
         asm, plan = self.asm, self.plan
         names = {}
-        press = play("H7/p6", 6.0)
-        for half, fit in ((FRONT, press), (REAR, play("H7/g6", 6.0))):
+        fits = {FRONT.name: "P7/h6", REAR.name: "G7/h6"}  # of the dowels: pressed into the front, a sliding fit behind
+        hole = {half: 3.0 + deviation(fit[:2], 6.0) / 2.0 for half, fit in fits.items()}
+        for half in (FRONT, REAR):
             names[half.name] = asm.add(
                 OUT + half.name, "cast aluminium", case, plan, half, tuple(face_holes[half.name]),
-                tuple(side_holes) if half is REAR else (), 3.0 + fit,
+                tuple(side_holes) if half is REAR else (), hole[half.name],
             )  # fmt: skip
         front, rear = names["front_case"], names["rear_case"]
         seal = asm.add(OUT + "split_gasket", "gasket", split_gasket, plan, 0.0, GASKET)
@@ -205,13 +206,13 @@ class Workshop:
                 f"{OUT}dowel_{k + 1}",
                 "hardened steel",
                 standard.dowel,
-                6.0,
+                6.0 + deviation("h6", 6.0),
                 13.0,
                 pose=at(x, y, GASKET / 2.0),
                 spin=True,
             )
-            asm.fit(pin, front, "H7/p6", press, 3.0 + press)
-            asm.fit(pin, rear, "H7/g6", play("H7/g6", 6.0), 3.0 + play("H7/g6", 6.0))
+            for half, case_path in ((FRONT, front), (REAR, rear)):
+                asm.fit(pin, case_path, fits[half.name], play(fits[half.name], 6.0), hole[half.name])
             asm.fit(pin, seal, "clearance", 0.3, 3.3)
             asm.keep(front, "press", pin)
             asm.keep(pin, "dowel", front, seal, rear)

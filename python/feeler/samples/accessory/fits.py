@@ -18,12 +18,12 @@ _STEPS = (
 
 
 def deviation(zone: str, diameter: float) -> float:
-    """The middle of a tolerance zone ("H7", "g6", "h6", "k6", "p6") above the nominal diameter; "nominal" has none."""
+    """The middle of a tolerance zone ("H7", "P7", "g6", ...) above the nominal diameter; "nominal" has none."""
     if zone == "nominal":
         return 0.0
     it7, it6, g, k, p = next(row[1:] for row in _STEPS if diameter <= row[0])
     width = it7 if zone.endswith("7") else it6
-    low = {"H": 0, "g": g - it6, "h": -it6, "k": k, "p": p}[zone[0]]
+    low = {"H": 0, "G": -g, "P": -p - it6, "g": g - it6, "h": -it6, "k": k, "p": p}[zone[0]]
     return (low + width / 2.0) * 1e-3
 
 

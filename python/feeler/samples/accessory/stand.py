@@ -287,10 +287,10 @@ def door(shop: Workshop, s: Stand) -> None:
     centre = (left + right) / 2.0 + 60.0  # of the latch: clear of the filter
     screws = [(x + dx, HINGE_Z - 14.0) for x in hinges(s) for dx in (5.4, 15.4)]
     core = METRIC[4].core / 2.0 + (cut.ease + 0.35 if cut.ease else 0.0)
-    press = play("H7/p6", 2.0 * LATCH_ROD)
+    pressed = LATCH_ROD + deviation("P7", 2.0 * LATCH_ROD) / 2.0
     rod_x, rod_z = centre + LATCH_STOP, LATCH_Z - LATCH_STOP
     holes = [(x, -z, core) for x, z in screws]
-    holes += [(centre, -LATCH_Z, 5.3 + cut.ease), (rod_x, -rod_z, LATCH_ROD + press + cut.ease)]
+    holes += [(centre, -LATCH_Z, 5.3 + cut.ease), (rod_x, -rod_z, pressed + cut.ease)]
     corners = ((left, -high), (right, -high), (right, -low), (left, -low))
     panel = asm.add(
         "door/panel", "aluminium", plate, corners, 6.0, PANEL_THICK, tuple(holes), pose=frame((0.0, s.door, 0.0), Y, X)
@@ -303,12 +303,12 @@ def door(shop: Workshop, s: Stand) -> None:
         "door/latch_stop",
         "hardened steel",
         standard.dowel,
-        2.0 * LATCH_ROD,
+        2.0 * LATCH_ROD + deviation("h6", 2.0 * LATCH_ROD),
         16.0,
         pose=frame((rod_x, s.door + 8.0, rod_z), Y),
         spin=True,
     )
-    asm.fit(rod, panel, "H7/p6", press, LATCH_ROD + press)
+    asm.fit(rod, panel, "P7/h6", play("P7/h6", 2.0 * LATCH_ROD), pressed)
     asm.keep(panel, "press", rod)
     asm.keep(panel, "captive", bar)
     asm.keep(rod, "stop", bar)
