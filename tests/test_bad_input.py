@@ -6,6 +6,7 @@ import itertools
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,17 @@ IDENTITY = np.eye(4)
 STORES: list[dict[str, Any]] = [{}, {"storage": "dense"}, {"storage": "hashed", "hashing": 0.5}]
 stores = pytest.mark.parametrize("store", STORES, ids=["blocks", "dense", "hashed"])
 meshes = pytest.mark.parametrize("make", [feeler.Mockup, feeler.Tool], ids=["mockup", "tool"])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a folder in use stays")
+def test_a_current_folder_that_is_gone(tmp_path: Path) -> None:
+    program = "import os, sys, feeler; os.rmdir(os.getcwd()); feeler.open_scene('x.feeler')"
+    command = "import os; os.rmdir(os.getcwd()); from feeler.cli import main; main()"
+    for code, said in ((program, "MissingFileError: x.feeler: the"), (command, "feeler: the")):
+        here = tmp_path / "here"
+        here.mkdir()
+        run = subprocess.run([sys.executable, "-c", code, "info", "x.stl"], capture_output=True, text=True, cwd=here)
+        assert run.returncode != 0 and f"{said} current folder is gone" in run.stderr
 
 
 @pytest.fixture(scope="module")

@@ -540,10 +540,17 @@ def test_garbage_is_answered_and_the_server_goes_on(files: Path) -> None:
     half = {"name": "parts", "arguments": {"pattern": "half \ud800"}}
     lines.append(message(3, "tools/call", half))
     lines.append(b'{"jsonrpc": "2.0", "id": 4, "method": "ping", "params": {"_meta": {"n": 1e999}}}')
+    wrong = (b'"method": "ping", "params": []', b'"method": "ping", "params": 5', b'"method": 5')
+    lines += [b'{"jsonrpc": "2.0", "id": "wrong", %s}' % each for each in wrong]
+    lines += [b'{"jsonrpc": "2.0", "id": %s, "method": 5}' % each for each in (b'"\\ud800"', b"9" * 300, b"[1]")]
     said, errors, code = exchange((files / "case.feeler",), lines)
     assert code == 0 and "Traceback" not in errors
-    assert [each["error"]["code"] for each in said if each["id"] is None] == [*[-32700] * 5, *[-32600] * 5, -32700]
-    answers_ = {each["id"]: each["result"] for each in said if each["id"] is not None}
+    refused = [each["error"]["code"] for each in said if each["id"] is None]
+    assert refused == [*[-32700] * 5, *[-32600] * 5, *[-32700] * 3]
+    known = [each for each in said if each["id"] is not None]
+    assert sorted(str(each["id"]) for each in known if "error" in each) == ["3", "wrong", "wrong", "wrong"]
+    assert {each["error"]["code"] for each in known if "error" in each} == {-32600}
+    answers_ = {each["id"]: each["result"] for each in known if "result" in each}
     assert answers_[1]["serverInfo"]["name"] == "feeler" and answers_[2] == {}
 
 

@@ -179,6 +179,15 @@ def test_an_executor_that_is_shut_down_meanwhile_is_told(kind: Any) -> None:
             spread(doubled, None, (1.0, None), range(3), pool)
 
 
+def test_an_executor_that_answers_otherwise_is_told() -> None:
+    class Forgetful(ThreadPoolExecutor):
+        def submit(self, *_: Any, **__: Any) -> Any:
+            return super().submit(lambda: None)
+
+    with Forgetful(1) as pool, pytest.raises(feeler.OptionError, match="answered a task with a NoneType"):
+        spread(doubled, None, (1.0, None), range(3), pool)
+
+
 def test_ctrl_c_gives_what_is_done() -> None:
     def stop(done: int, _stage: str) -> None:
         if done == 5:

@@ -80,7 +80,10 @@ _known: WeakValueDictionary[tuple[str, str], SavedFile] = WeakValueDictionary()
 
 def opened(path: str, verify: bool, memory_limit: int, progress: Callable[[float, str], object] | None) -> SavedFile:
     """Opens a file. Raises `MissingFileError` and `LoadError`."""
-    path = os.path.abspath(path)
+    try:
+        path = os.path.abspath(path)
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: the current folder is gone; give a path that starts with /") from None
     if not os.path.lexists(path):
         raise MissingFileError(f"{path}: there is no such file; check the path")
     state = _state(path)

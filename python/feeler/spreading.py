@@ -21,7 +21,8 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager, ExitStack, suppress
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -169,19 +170,26 @@ def _one_by_one(
     return list(found.values())
 
 
+@dataclass(frozen=True, eq=False)
+class Done(Generic[Result]):
+    """What a task returned, as an executor has to hand it on."""
+
+    result: Result
+
+
 class _Here(Generic[Shared, Task, Result]):
     """What a thread of this process does."""
 
     def __init__(self, function: Callable[[Any, Shared, Task], Result], scene: Scene | None, shared: Shared) -> None:
         self._function, self._scene, self._shared = function, scene, shared
 
-    def submit(self, executor: Executor, task: Task, stop: Stop) -> Future[Result]:
+    def submit(self, executor: Executor, task: Task, stop: Stop) -> Future[Done[Result]]:
         """Hands a task over."""
         return executor.submit(self._do, task, stop)
 
-    def _do(self, task: Task, stop: Stop) -> Result:
+    def _do(self, task: Task, stop: Stop) -> Done[Result]:
         with task_of(stop):
-            return self._function(self._scene, self._shared, task)
+            return Done(self._function(self._scene, self._shared, task))
 
 
 class _Elsewhere(Generic[Shared, Task, Result]):
@@ -191,7 +199,7 @@ class _Elsewhere(Generic[Shared, Task, Result]):
         self._question = pickle.dumps((function, scene, shared), protocol=pickle.HIGHEST_PROTOCOL)
         self._key = hashlib.sha256(self._question).hexdigest()
 
-    def submit(self, executor: Executor, task: Task, stop: Stop) -> Future[Result]:
+    def submit(self, executor: Executor, task: Task, stop: Stop) -> Future[Done[Result]]:
         """Hands a task over."""
         return executor.submit(work, self._key, self._question, task, stop)
 
@@ -200,7 +208,7 @@ _questions: OrderedDict[str, tuple[Callable[..., Any], Any, Any]] = OrderedDict(
 _questions_lock = threading.Lock()
 
 
-def work(key: str, question: bytes, task: Any, stop: Stop) -> Any:
+def work(key: str, question: bytes, task: Any, stop: Stop) -> Done[Any]:
     """One task, in a worker. The question is unpickled once in a process, which opens its scene."""
     with _questions_lock:
         known = _questions.get(key)
@@ -211,14 +219,21 @@ def work(key: str, question: bytes, task: Any, stop: Stop) -> Any:
     function, scene, shared = known
     with task_of(stop):
         check_stop()  # it may have waited in a queue
-        return function(scene, shared, task)
+        return Done(function(scene, shared, task))
 
 
-def _future(given: Future[Result]) -> Future[Result]:
+def _future(given: Future[Done[Result]]) -> Future[Done[Result]]:
     if not isinstance(given, Future):
         kind = type(given).__name__
         raise OptionError(f"executor.submit answered with a {kind}, no future: give one of concurrent.futures")
     return given
+
+
+def _result(given: Done[Result]) -> Result:
+    if not isinstance(given, Done):
+        kind = type(given).__name__
+        raise OptionError(f"the executor answered a task with a {kind}, not with what the task returned")
+    return given.result
 
 
 class _Round(Generic[Task, Result]):
@@ -253,7 +268,7 @@ class _Round(Generic[Task, Result]):
 
     def _try(self, numbers: list[int]) -> BaseException | None:
         """Does these tasks; the error of a lost worker if there was one."""
-        waiting: dict[Future[Result], int] = {}
+        waiting: dict[Future[Done[Result]], int] = {}
         lost: BaseException | None = None
         left = iter(numbers)
         try:
@@ -274,7 +289,7 @@ class _Round(Generic[Task, Result]):
                 for future in sorted(finished, key=waiting.__getitem__):
                     i = waiting.pop(future)
                     try:
-                        self._results[i] = future.result()
+                        self._results[i] = _result(future.result())
                     except BaseException as error:
                         if not _is_loss(error):
                             raise
@@ -289,7 +304,8 @@ class _Round(Generic[Task, Result]):
                 self._stop.set(running)
             for future, i in waiting.items():
                 if future.done() and not future.cancelled() and future.exception() is None:
-                    self._results[i] = future.result()  # finished while nobody looked
+                    with suppress(OptionError):
+                        self._results[i] = _result(future.result())  # finished while nobody looked
 
     def _ends(self) -> bool:
         """Whether no further result is of use."""

@@ -13,6 +13,7 @@ import os
 import threading
 from collections.abc import AsyncIterator, Coroutine, Iterator
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import anyio
@@ -36,6 +37,7 @@ MOST_LINE_BYTES = 1 << 20
 MOST_REQUESTS = 128
 """Requests without an answer; no more are read until one is answered, so a client that only writes fills no memory."""
 _CHUNK = 1 << 16
+_LONGEST_ID = 1 << 10
 
 Read = MemoryObjectReceiveStream[SessionMessage | Exception]
 Write = MemoryObjectSendStream[SessionMessage]
@@ -113,8 +115,10 @@ async def streams(wire: Wire) -> AsyncIterator[tuple[Read, Write]]:
 
     async def take(line: bytes | None) -> None:
         message = _message(line)
-        if isinstance(message, JSONRPCError) and message.id is None:
-            await write.send(SessionMessage(message))
+        if isinstance(message, _Refusal):
+            if message.answer.id is not None:
+                await room.acquire()  # as for each answer
+            await write.send(SessionMessage(message.answer))
         elif isinstance(message, JSONRPCRequest):
             await room.acquire()
             await send_in.send(SessionMessage(message, ServerMessageMetadata(on_request_unanswered=answered)))
@@ -172,18 +176,42 @@ async def _written(writer: Lane, wire: Wire, line: bytes) -> bool:
     return await done
 
 
+@dataclass(frozen=True)
+class _Refusal:
+    """The error that answers a line without a message for the server."""
+
+    answer: JSONRPCError
+
+
 def _message(line: bytes | None) -> Any:
-    """The message of a line, or the error that answers it."""
+    """The message of a line, or a refusal."""
     if line is None:
-        said = f"the message is longer than {MOST_LINE_BYTES:,} bytes: send less at once"
-        return JSONRPCError(jsonrpc="2.0", id=None, error=ErrorData(code=INVALID_REQUEST, message=said))
+        return _refusal(INVALID_REQUEST, f"the message is longer than {MOST_LINE_BYTES:,} bytes: send less at once")
     try:
         message = jsonrpc_message_adapter.validate_json(line, by_name=False)
     except ValueError:
-        said = "the line is not a JSON-RPC 2.0 message"
-        return JSONRPCError(jsonrpc="2.0", id=None, error=ErrorData(code=PARSE_ERROR, message=said))
+        known = _id_of(line)
+        if known is None:
+            return _refusal(PARSE_ERROR, "the line is not a JSON-RPC 2.0 message")
+        said = 'not a request of JSON-RPC 2.0 in UTF-8: "jsonrpc" is "2.0", "method" a text, "params" an object'
+        return _refusal(INVALID_REQUEST, said, known)
     # With an id that is none, such as 1.5, a request passes for a notification, and its sender would wait.
     if isinstance(message, JSONRPCNotification) and "id" in json.loads(line):
-        said = "the id of a request is a whole number or a text"
-        return JSONRPCError(jsonrpc="2.0", id=None, error=ErrorData(code=INVALID_REQUEST, message=said))
+        return _refusal(INVALID_REQUEST, "the id of a request is a whole number or a text")
     return message
+
+
+def _refusal(code: int, said: str, known: int | str | None = None) -> _Refusal:
+    return _Refusal(JSONRPCError(jsonrpc="2.0", id=known, error=ErrorData(code=code, message=said)))
+
+
+def _id_of(line: bytes) -> int | str | None:
+    """The id of a request that is none otherwise, so that its sender does not wait for an answer."""
+    try:
+        given = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    known = given.get("id") if isinstance(given, dict) and "method" in given else None
+    if isinstance(known, str):
+        return known if known.isprintable() and len(known) <= _LONGEST_ID else None
+    return known if isinstance(known, int) and not isinstance(known, bool) and abs(known) < 1 << 63 else None

@@ -116,6 +116,11 @@ def main() -> None:
     _Output.instead_of("stderr")  # a finding is one, whether or not its warnings can be written
     warnings.showwarning = _show  # type: ignore[assignment]
     try:
+        os.getcwd()
+    except FileNotFoundError:
+        fail("the current folder is gone; change to one that is there")
+        _exit(BAD_INPUT)
+    try:
         app(prog_name="feeler")
     except KeyboardInterrupt:
         fail("interrupted")
