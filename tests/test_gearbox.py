@@ -719,6 +719,18 @@ def test_no_triangle_is_lower_than_the_grid_where_the_face_can_be_cut_otherwise(
     assert sorted({*rows.ravel().tolist()}) == [0, 1, 2, 3, 4]
 
 
+def test_low_triangles_beside_low_ones_are_cut_otherwise() -> None:
+    """All corners of the upper side are nearly on one line, in one fan: no single exchange helps."""
+    upper = [[200.0 - 10.0 * k, 10.0 - 5e-5 * (k % 3)] for k in range(21)]
+    points = np.array([[0.0, 0.0], [200.0, 0.0], *upper])
+    fan = [[2, k, k + 1] for k in range(3, 22)]
+    rows = polygon._lifted(points, np.array([[0, 1, 2], [0, 2, 22], *fan]))
+    heights = polygon._height(points[rows])
+    assert len(rows) == 21 and heights.min() > 0.4
+    sides = np.sort(rows[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert sorted(np.unique(sides, axis=0, return_counts=True)[1].tolist()) == [1] * 23 + [2] * 20
+
+
 def test_polygons_with_holes() -> None:
     """The triangles of random polygons with holes tile them: all positive, and their areas add up."""
     rng = np.random.default_rng(3)

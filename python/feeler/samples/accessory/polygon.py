@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,8 @@ MARGIN_MM = 1.5e-3
 """No triangle is lower or nearer to a corner of another one, where that can be: three steps of the vertex grid."""
 LOW_MM = 5e-4
 """A step of the vertex grid."""
+LEAST_GAIN = 1e-9
+"""By which the sine of an angle has to grow: below it are rounding, and four corners on one circle."""
 PASSES = ((MARGIN_MM, MARGIN_MM), (0.0, MARGIN_MM), (0.0, 0.0))
 """How near to a corner and how low ears may be: better one that is near than none, better a low one than none."""
 
@@ -132,25 +135,43 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
 
 
 def _lifted(points: Floats, triangles: Ints) -> Ints:
-    """The triangles without those so low that the vertex grid could turn them over, where that can be: such a one, and
-    the one across its longest side, are cut the other way."""
-    low = np.flatnonzero(_height(points[triangles]) < LOW_MM).tolist()
-    owner = {(row[k - 1], row[k]): n for n, row in enumerate(triangles.tolist()) for k in range(3)} if low else {}
-    for n in low:
-        corners = points[triangles[n]]
-        k = int(np.argmax(((corners - np.roll(corners, -1, axis=0)) ** 2).sum(axis=1)))
-        a, b, c = np.roll(triangles[n], -k).tolist()
-        other = owner.get((b, a))
-        if other is None:
-            continue
-        d = next(each for each in triangles[other].tolist() if each not in (a, b))
-        new = np.array([(a, d, c), (d, b, c)], dtype=np.int64)
-        if _height(points[new]).min() > _height(points[triangles[[n, other]]]).min():
-            triangles[n], triangles[other] = new
-            owner |= {
-                (row[k - 1], row[k]): at for at, row in zip((n, other), new.tolist(), strict=True) for k in range(3)
-            }
-    return triangles
+    """The triangles, with diagonals exchanged if one is so low that the vertex grid could turn it over.
+
+    The diagonal of two triangles is exchanged for the other one where their least angle grows, until none does: that is
+    Delaunay's triangulation, which has a low triangle only where each has. First about the low ones: mostly enough.
+    """
+    rows = triangles.tolist()
+    for share in (LOW_MM, np.inf):
+        low = _height(points[np.array(rows)]) < share
+        if (_height(points[np.array(rows)]) < LOW_MM).any():
+            _exchange(points.tolist(), rows, np.flatnonzero(low).tolist())
+    return np.array(rows, dtype=np.int64)
+
+
+def _exchange(points: list[list[float]], rows: list[list[int]], about: list[int]) -> None:
+    """Exchanges diagonals in place, beginning with those of the triangles numbered in `about`."""
+    owner = {(row[k - 1], row[k]): n for n, row in enumerate(rows) for k in range(3)}
+    waiting = [(rows[n][k - 1], rows[n][k]) for n in about for k in range(3)]
+    while waiting:
+        a, b = waiting.pop()
+        one, other = owner.get((a, b)), owner.get((b, a))
+        if one is None or other is None:
+            continue  # of the border, or exchanged meanwhile
+        c, d = (next(each for each in rows[n] if each not in (a, b)) for n in (one, other))
+        p, q, r, s = points[a], points[b], points[c], points[d]
+        if min(_sharpness(p, s, r), _sharpness(s, q, r)) > min(_sharpness(p, q, r), _sharpness(q, p, s)) + LEAST_GAIN:
+            rows[one], rows[other] = [a, d, c], [d, b, c]
+            del owner[a, b], owner[b, a]
+            owner |= {(row[k - 1], row[k]): n for n, row in ((one, rows[one]), (other, rows[other])) for k in range(3)}
+            waiting += [(a, d), (d, b), (b, c), (c, a)]
+
+
+def _sharpness(a: list[float], b: list[float], c: list[float]) -> float:
+    """The sine of the least angle of a triangle; negative for one that is turned over."""
+    u, v = (b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])
+    w = (v[0] - u[0], v[1] - u[1])
+    squares = sorted(each[0] * each[0] + each[1] * each[1] for each in (u, v, w))
+    return (u[0] * v[1] - u[1] * v[0]) / math.sqrt(squares[1] * squares[2])
 
 
 def _height(corners: Floats) -> Floats:
