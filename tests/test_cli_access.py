@@ -71,7 +71,8 @@ def test_what_machines_read(stand: Path, bar: Path) -> None:
     assert [row["path"] for row in document["rows"]] == ["stand/open/bolt", "stand/wall/bolt", "stand/[1] roof/screw"]
     first, second, third = document["rows"]
     assert first["reachable"] and first["swing_deg"] == 360.0 and first["kind"] == "bolt"
-    assert np.allclose(first["across_flats_m"], 0.0132, rtol=1e-4) and first["blockers"] == []
+    assert np.allclose([first["across_flats_m"], first["width_m"]], 0.0132, rtol=1e-4) and first["blockers"] == []
+    assert first["drive"] == "hexagon"
     assert np.array(first["way"]).shape == (2, 4, 4) and "hexagon" in first["fastener_because"]
     assert 60 < second["swing_deg"] < 360 and second["blockers"][0]["path"] == "stand/walls"
     assert third["swing_deg"] == 0.0 and third["angle_deg"] is None and third["way"] == []

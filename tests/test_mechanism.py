@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from commands import run, run_json
-from shapes import box
+from shapes import box, prism_ring
 
 import feeler
 from feeler import Joint, JointCoupling, Mechanism
@@ -137,6 +137,25 @@ def test_children_move_with_their_parents() -> None:
         arm().poses({"shoulder": 1.1})
     first = arm().chain("elbow", {"elbow": 0.1}, {"elbow": 0.4})
     assert isinstance(first[1], feeler.Screw) and first[1].angle == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_pin_of_millimetres_in_a_file_of_half_micrometres_is_round(seed: int) -> None:
+    """Rounding puts the corners out of round by more than a share of so small a radius."""
+    rng = np.random.default_rng(seed)
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    turn *= np.linalg.det(turn)
+    centre, grid = rng.uniform(-0.3, 0.3, 3), 2.0**-21
+    parts = {}
+    for name, mesh in (
+        ("pin", prism_ring(1.6e-3, 0.0, 12, -0.02, 0.02, rng.uniform())),
+        ("eye", prism_ring(3.45e-3, 1.65e-3, 12, -0.01, 0.01, rng.uniform())),
+    ):
+        vertices = mesh[0] @ turn.T + centre
+        parts[name] = (np.round(vertices / grid) * grid, mesh[1])
+    joint = feeler.Joint("hinge", "revolute", None, ["eye"], axis=turn[:, 2], point=centre)
+    found = feeler.Mechanism(feeler.Mockup(parts), [joint]).range("hinge")
+    assert [seat.kind for seat in found.seats] == ["round"] and found.above is None
 
 
 def test_a_rack_follows_its_pinion() -> None:

@@ -304,6 +304,8 @@ def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Acces
                 "kind": fastener.kind,
                 "size_m": fastener.size,
                 "across_flats_m": fastener.across_flats,
+                "drive": fastener.drive,
+                "width_m": fastener.width,
                 "confidence": fastener.confidence,
                 "fastener_because": fastener.because,
                 "world_from_target": fastener.frame.tolist(),
@@ -367,7 +369,7 @@ def _csv(rows: list[dict[str, Any]]) -> bytes:
 
     lines = []
     columns = ["target", "part", "path", "kind", "size_m", "across_flats_m", "reachable", "swing_deg", "angle_deg"]
-    columns += ["looked_m", "drawn_m", "tool", "stroke_deg", "strokes", "seen"]
+    columns += ["looked_m", "drawn_m", "tool", "stroke_deg", "strokes", "seen", "drive", "width_m"]
     for row in rows:
         values = [row.get(column) for column in columns]
         blockers = [each["path"] for each in row["blockers"]]
@@ -410,7 +412,7 @@ def _print(
         "Targets",
         [
             ("target", "left"),
-            *([("kind", "left"), ("flats", "right")] if has_kind else []),
+            *([("kind", "left"), ("width", "right")] if has_kind else []),
             *(("reachable", "left"), ("swing", "right"), ("from", "right")),
             *([("strokes", "right")] if has_tools else []),
             *([("seen", "right")] if has_eyes else []),
@@ -419,7 +421,7 @@ def _print(
         [
             (
                 row["path"] or f"target {row['target']}",
-                *([row["kind"], _length(row["across_flats_m"])] if has_kind else []),
+                *([row["kind"], _length(row["width_m"])] if has_kind else []),
                 "yes" if row["reachable"] else "no",
                 f"{row['swing_deg']:.1f}°",
                 "" if row["angle_deg"] != row["angle_deg"] else f"{row['angle_deg']:.1f}°",

@@ -22,7 +22,8 @@ _ARC = 1.5
 """The least arc that facets side by side make up, radians: less is a flat face that is square to its radius."""
 _FEWEST = 4
 _UPRIGHT = 1e-3  # cosine of a facet's normal with the axis
-_SAME = 2e-4  # differences of radii on one surface, as a share of them: axes are found, and files rounded
+_SAME = 2e-4  # differences of radii on one surface, as a share of them: axes are found
+_GRID_M = 1e-6  # and beside it: files are rounded, to half a micrometre and finer
 _PRESS = 1.1  # a pin is wider than its hole by this factor at most
 
 
@@ -71,7 +72,7 @@ def rounds_of(
         return []
     of = radius[faces]
     mean = of.mean(axis=1)
-    same = (np.ptp(of, axis=1) <= _SAME * mean + 1e-9) & (mean > 0.0)
+    same = (np.ptp(of, axis=1) <= _SAME * mean + _GRID_M) & (mean > 0.0)
     faces, mean = faces[same], mean[same]
     corners = vertices[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -113,7 +114,7 @@ def _same_radii(order: Ints, mean: Floats, is_hole: npt.NDArray[np.bool_]) -> It
     for side in np.split(order, np.flatnonzero(np.diff(is_hole[order])) + 1) if len(order) else []:
         radii, start = mean[side], 0
         while start < len(side):
-            end = int(np.searchsorted(radii, radii[start] * (1.0 + _SAME) + 1e-9, "right"))
+            end = int(np.searchsorted(radii, radii[start] * (1.0 + _SAME) + _GRID_M, "right"))
             yield side[start:end]
             start = end
 

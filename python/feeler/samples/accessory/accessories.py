@@ -21,6 +21,7 @@ from .layout import (
     MODULE,
     PLUG_X,
     REAR,
+    TAPPED,
     Half,
     Station,
 )
@@ -31,7 +32,7 @@ FILTER_BOLTS = ((34.0, 24.0), (-34.0, 24.0), (-34.0, -24.0), (34.0, -24.0))
 FILTER_PORTS = ((46.0, 0.0), (-46.0, 0.0))
 FILTER_Z = 58.0
 PLUG_Z = 58.0
-PORT_CORE, PORT_THREAD = 5.4, 6.0
+PORT_CORE, PORT_THREAD = 5.25, 6.0
 
 
 def port(cut: Cut) -> tuple[Row, ...]:
@@ -58,9 +59,9 @@ def side_holes(shop: Workshop) -> list[SideHole]:
     bore = 26.0 + deviation("H7", 52.0) / 2.0 + cut.ease
     add("top", 0.0, APEX_Z, ((bore + 0.8, 0.0), (bore, 0.8), (bore, 12.0)))
     for x, y in INPUT_BOLTS:
-        add("top", x, APEX_Z - y, tapped(cut, 6, 8.0))
+        add("top", x, APEX_Z - y, tapped(cut, 6, TAPPED))
     for x, y in FILTER_BOLTS:
-        add("bottom", FILTER_X + x, FILTER_Z + y, tapped(cut, 6, 8.0))
+        add("bottom", FILTER_X + x, FILTER_Z + y, tapped(cut, 6, TAPPED))
     add("bottom", PLUG_X, PLUG_Z, ())
     return out
 
@@ -182,7 +183,7 @@ def input_drive(shop: Workshop) -> None:
     bolts = []
     for k, (x, y) in enumerate(INPUT_BOLTS):
         bolts += shop.bolt(
-            group, f"bolt_{k + 1}", 6, times(pose, at(x, y, 9.0)), [cartridge, seal], rear, 9.0 + GASKET, 8.0
+            group, f"bolt_{k + 1}", 6, times(pose, at(x, y, 9.0)), [cartridge, seal], rear, 9.0 + GASKET, TAPPED
         )
     asm.step([*unit, sleeve, clip, lip], pull(Y, AWAY), after=bolts)
     rings = {f"{group}/{name}_bearing": BEARINGS["6203"] for name in ("lower", "upper")}
@@ -276,7 +277,7 @@ def fuel_pump(shop: Workshop) -> Floats:
     """The fuel pump on its studs, with an end cover; returns the frame of its outlet."""
     asm, cut, s = shop.asm, shop.cut, shop.plan.station("fuel_pump")
     group = "fuel_pump"
-    screws = [(13.2 * np.cos(a), 13.2 * np.sin(a)) for a in np.arange(5) * (2.0 * np.pi / 5.0) + 0.4]
+    screws = [(13.8 * np.cos(a), 13.8 * np.sin(a)) for a in np.arange(5) * (2.0 * np.pi / 5.0) + 0.4]
     blinds = tuple((float(x), float(y), tapped(cut, 4, 8.0)) for x, y in screws)
     up = ((19.2, 10.0), (18.4, 11.0), (18.4, 22.0), (17.0, 23.0), (17.0, 26.0), (18.4, 27.0), (18.4, 45.0))
     body = accessory(shop, s, REAR, group, "painted aluminium", up, blinds, studs=True)
@@ -511,7 +512,7 @@ def oil_filter(shop: Workshop) -> None:
             [head, seal],
             rear,
             14.0 + GASKET,
-            8.0,
+            TAPPED,
             after=(["lines/fuel_pipe/adapter_2"], ["lines/oil_pipe/adapter_2"], [], [])[k],  # in the way of the wrench
             away=100.0,
         )

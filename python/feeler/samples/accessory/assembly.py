@@ -391,7 +391,7 @@ def _room(part: Part) -> tuple[float, float, float] | None:
     if name not in ("hex_bolt", "cap_screw", "nut", "washer", "stud") or not isinstance(size, int):
         return None
     m = METRIC[size]
-    slim = {"cap_screw": 0.75 * m.size, "washer": m.washer / 2.0, "stud": m.size / 2.0}
+    slim = {"cap_screw": m.cap / 2.0, "washer": m.washer / 2.0, "stud": m.size / 2.0}
     head = slim.get(name, m.flats / float(np.sqrt(3.0)))
     return head, slim.get(name, 0.64 * m.flats + 0.7), 0.0 if name in ("washer", "stud") else m.head
 

@@ -35,7 +35,7 @@ def play(kind: str, diameter: float) -> float:
 
 @dataclass(frozen=True)
 class Metric:
-    """A metric thread with its bolt, nut and washer (ISO 4017, 4032, 7089) and its holes."""
+    """A metric thread with its bolt, cap screw, nut and washer (ISO 4017, 4762, 4032, 7089) and its holes."""
 
     size: float
     pitch: float
@@ -45,11 +45,13 @@ class Metric:
     washer: float
     thick: float
     core: float
-    """Diameter of the tapped hole, as most CAD draws it."""
+    """Diameter of the tapped hole before its thread is cut (ISO 2306), as most CAD draws it."""
     through: float
     """Diameter of the clearance hole."""
     socket: float
     """Across the flats of a cap screw's socket."""
+    cap: float
+    """Diameter of a cap screw's head."""
 
     @property
     def washer_bore(self) -> float:
@@ -58,10 +60,10 @@ class Metric:
 
 
 METRIC = {
-    4: Metric(4.0, 0.7, 7.0, 2.8, 3.2, 9.0, 0.8, 3.3, 4.5, 3.0),
-    5: Metric(5.0, 0.8, 8.0, 3.5, 4.7, 10.0, 1.0, 4.2, 5.5, 4.0),
-    6: Metric(6.0, 1.0, 10.0, 4.0, 5.2, 12.0, 1.6, 5.0, 6.6, 5.0),
-    8: Metric(8.0, 1.25, 13.0, 5.3, 6.8, 16.0, 1.6, 6.8, 9.0, 6.0),
+    4: Metric(4.0, 0.7, 7.0, 2.8, 3.2, 9.0, 0.8, 3.3, 4.5, 3.0, 7.0),
+    5: Metric(5.0, 0.8, 8.0, 3.5, 4.7, 10.0, 1.0, 4.2, 5.5, 4.0, 8.5),
+    6: Metric(6.0, 1.0, 10.0, 4.0, 5.2, 12.0, 1.6, 5.0, 6.6, 5.0, 10.0),
+    8: Metric(8.0, 1.25, 13.0, 5.3, 6.8, 16.0, 1.6, 6.8, 9.0, 6.0, 13.0),
 }
 LENGTHS = (8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100)
 

@@ -15,7 +15,9 @@ from .solid import Cut
 
 MODULE = 2.0
 FACE_WIDTH = 14.0
-WALL, FLANGE, FLANGE_THICK = 12.0, 17.0, 10.0
+WALL, FLANGE, FLANGE_THICK = 14.0, 17.0, 10.0
+TAPPED = 10.0
+"""Depth of tapped holes in the walls: bolts have 1.4 diameters of thread in the cast aluminium."""
 CORNER = 22.0
 GASKET = 0.5
 BEVEL_TEETH = (30, 20)

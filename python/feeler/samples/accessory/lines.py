@@ -20,7 +20,7 @@ from .standard import hex_prism
 
 BEND = 16.0
 THREAD, CORE = PORT_THREAD, PORT_CORE
-NOSE, NUT_CORE = 7.0, 6.4
+NOSE, NUT_CORE = 7.0, 6.25
 NOSE_END = 18.0
 COLLAR = 5.0
 NUT_LOW, NUT_HIGH = 9.5, 30.0

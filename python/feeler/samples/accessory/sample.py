@@ -309,7 +309,10 @@ def turned_about(joint: Joint, points: Floats) -> Floats:
 
 
 def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:
-    """The steps in a valid order, with their prerequisites as paths."""
+    """The steps in a valid order, with their prerequisites as paths.
+
+    The door comes off when nothing else is left that can: steps that want it open find it on its hinges.
+    """
     needs = [asm.matching(step.after) if step.after else [] for step in asm.steps]
     steps_of: dict[str, set[int]] = {path: set() for path in asm.parts}
     for k, step in enumerate(asm.steps):
@@ -319,14 +322,20 @@ def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:
     for k, step in enumerate(asm.steps):
         wanted = {j for path in needs[k] for j in steps_of[path]}
         if step.removes:  # parts are loosened before they are taken out
-            wanted |= {j for path in step.parts for j in steps_of[path] if j != k and not asm.steps[j].removes}
+            loosening = {path: {j for j in steps_of[path] if not asm.steps[j].removes} for path in step.parts}
+            wanted |= set().union(*loosening.values())
+            needs[k] = list(dict.fromkeys([*needs[k], *(path for path in step.parts if loosening[path])]))
         before.append(wanted - {k})
     out: list[int] = []
     left = list(range(len(asm.steps)))
+    door = {k for k, step in enumerate(asm.steps) if step.removes and step.parts[0].startswith("door/")}
+    is_door_begun = False
     while left:
         ready = [k for k in left if not before[k] & set(left)]
         if not ready:
             raise ValueError(f"steps wait for each other: {[asm.steps[k].parts[0] for k in left]}")
+        ready = [k for k in ready if (k in door) == is_door_begun] or ready
+        is_door_begun = is_door_begun or ready[0] in door
         out += ready
         left = [k for k in left if k not in set(ready)]
     return [(asm.steps[k], needs[k]) for k in out]

@@ -11,7 +11,7 @@ from .bodies import Drill, extruded, flanged, plate
 from .design import AWAY, OUT, Workshop, X, Y, frame
 from .fits import METRIC, deviation, play
 from .housing import SideHole, tapped
-from .layout import GASKET, REAR
+from .layout import GASKET, REAR, TAPPED
 from .lines import loop_outline
 from .polygon import rounded
 from .solid import Cut, Solid
@@ -41,7 +41,7 @@ def side_holes(shop: Workshop) -> list[SideHole]:
     for side, sign in (("left", -1.0), ("right", 1.0)):
         middle, flat = float(shop.plan.side(side)[1][1]), float(shop.plan.flat(side)[1])
         for z, y in MOUNT_BOLTS:
-            out.append(SideHole(side, sign * (flat + y - middle), MOUNT_Z + z - GASKET, tapped(shop.cut, 6, 8.0)))
+            out.append(SideHole(side, sign * (flat + y - middle), MOUNT_Z + z - GASKET, tapped(shop.cut, 6, TAPPED)))
     return out
 
 
@@ -236,7 +236,7 @@ def mount(shop: Workshop, s: Stand, side: str, sign: float) -> None:
             [path],
             rear,
             10.0,
-            8.0,
+            TAPPED,
             after=[f"bracket/{side}_hanger"],
         )
     for each in bolts[::2]:

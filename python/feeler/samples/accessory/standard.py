@@ -94,7 +94,7 @@ ROUND = 12
 def cap_screw(cut: Cut, size: int, length: float) -> Solid:
     """A socket head cap screw (ISO 4762): its head on z > 0, its shank down to z = -length."""
     m, solid = METRIC[size], Solid()
-    radius, edge = 0.75 * m.size, 0.08 * m.size
+    radius, edge = m.cap / 2.0, 0.08 * m.size
     shank, head = _shank(cut, m.size / 2.0, length, m.pitch), [(radius, 0.0)]
     head += [(radius, m.size - edge), (radius - edge, m.size)] if cut.shows(edge) else [(radius, m.size)]
     sides = cut.circle(radius)
@@ -121,7 +121,7 @@ def stud(cut: Cut, size: int, low: float, high: float) -> Solid:
 
 
 def nut(cut: Cut, size: int) -> Solid:
-    """A hexagon nut (ISO 4032) on z = 0; its thread is a cylinder of the core's diameter."""
+    """A hexagon nut (ISO 4032) on z = 0; its thread is a cylinder of the tap drill's diameter."""
     m, solid = METRIC[size], Solid()
     low, high = hex_prism(solid, cut, m.flats, 0.0, m.nut, chamfers="low high")
     core, mouth = m.core / 2.0, 0.53 * m.size

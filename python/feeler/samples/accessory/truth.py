@@ -69,7 +69,7 @@ class Step:
     """In order, from the place of the parts in the mock-up, or where an earlier step left them. Those of a ring that is
     not `rigid` are of the spread ring: it leaves its groove before the first leg, and does not close again."""
     after: tuple[str, ...]
-    """Paths of parts to remove or loosen before, in the order of the parts."""
+    """Paths of parts to remove or loosen before; of the step's own ones those to loosen."""
     door_open: bool
     """Whether the joint "door" must be at its `high`."""
     rigid: bool
