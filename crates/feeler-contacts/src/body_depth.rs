@@ -200,7 +200,7 @@ fn of_solids(first: (&Arc<Shape>, &Pose), second: (&Arc<Shape>, &Pose)) -> BodyD
     // From a corner of one: far from the origin less is lost.
     let origin = a[0];
     a.iter_mut().chain(&mut b).for_each(|p| *p = sub(p, &origin));
-    let found = convex_depth(&a, &b);
+    let found = convex_depth(&a, &b, f64::EPSILON * around.largest_coordinate());
     let beyond = BEYOND[1] * around.largest_coordinate();
     // Bodies nearer to each other than the rounding of coordinates may meet.
     if found.depth < -beyond {

@@ -68,10 +68,10 @@ struct Hull {
 
 impl Hull {
     /// A tetrahedron of some of the points; `None` where they lie in a plane.
-    fn new(points: &[Point], size: f64) -> Option<Hull> {
+    fn new(points: &[Point], visible: f64) -> Option<Hull> {
         let far = |height: &dyn Fn(&Point) -> f64| {
             let best = points.iter().max_by(|p, q| height(p).total_cmp(&height(q)))?;
-            (height(best) > VISIBLE * size).then_some(*best)
+            (height(best) > visible).then_some(*best)
         };
         let a = *points.first()?;
         let b = far(&|p| length(&sub(p, &a)))?;
@@ -80,7 +80,7 @@ impl Hull {
         let normal = unit(&cross(&along, &sub(&c, &a)))?;
         let d = far(&|p| dot(&normal, &sub(p, &a)).abs())?;
         let [a, b, c] = if dot(&normal, &sub(&d, &a)) > 0.0 { [a, c, b] } else { [a, b, c] };
-        let mut hull = Hull { points: vec![a, b, c, d], facets: Vec::new(), visible: VISIBLE * size };
+        let mut hull = Hull { points: vec![a, b, c, d], facets: Vec::new(), visible };
         for corners in [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]] {
             hull.facets.push(hull.facet(corners)?);
         }
@@ -95,14 +95,36 @@ impl Hull {
         Some(Facet { corners, normal, distance })
     }
 
+    /// The facets that a point sees, and the others. Only those in one piece with the one that it stands out of most: where rounding has
+    /// dented the hull, it may see others by a hair.
+    fn seen_from(&self, p: &Point) -> (Vec<Facet>, Vec<Facet>) {
+        let height = |facet: &Facet| dot(&facet.normal, p) - facet.distance;
+        let (mut open, mut kept): (Vec<Facet>, Vec<Facet>) =
+            self.facets.iter().partition(|facet| height(facet) > self.visible);
+        let Some(most) = (0..open.len()).max_by(|i, j| height(&open[*i]).total_cmp(&height(&open[*j]))) else {
+            return (open, kept);
+        };
+        let mut seen = vec![open.swap_remove(most)];
+        let mut next = 0;
+        while next < seen.len() {
+            let corners = seen[next].corners;
+            let is_beside = |other: &Facet| other.corners.iter().filter(|c| corners.contains(c)).count() == 2;
+            let (beside, rest): (Vec<Facet>, Vec<Facet>) = open.into_iter().partition(is_beside);
+            seen.extend(beside);
+            open = rest;
+            next += 1;
+        }
+        kept.extend(open);
+        (seen, kept)
+    }
+
     /// Takes a point into the hull; false where it is not outside, or where rounding leaves no hull.
     fn add(&mut self, p: Point) -> bool {
-        let sees = |facet: &Facet| dot(&facet.normal, &p) - facet.distance > self.visible;
-        let (seen, kept): (Vec<Facet>, Vec<Facet>) = self.facets.iter().partition(|facet| sees(facet));
+        let edges = |facet: &Facet| [0, 1, 2].map(|i| (facet.corners[i], facet.corners[(i + 1) % 3]));
+        let (seen, kept) = self.seen_from(&p);
         if seen.is_empty() {
             return false;
         }
-        let edges = |facet: &Facet| [0, 1, 2].map(|i| (facet.corners[i], facet.corners[(i + 1) % 3]));
         let all: Vec<(usize, usize)> = seen.iter().flat_map(edges).collect();
         let horizon: Vec<(usize, usize)> = all.iter().copied().filter(|(a, b)| !all.contains(&(*b, *a))).collect();
         let mut starts: Vec<usize> = horizon.iter().map(|(a, _)| *a).collect();
@@ -131,8 +153,9 @@ fn first_directions() -> impl Iterator<Item = Point> {
     all.filter_map(|direction| unit(&direction))
 }
 
-/// The least translation of the second of two convex bodies, given by their vertices, that parts it from the first.
-pub fn convex_depth(a: &[Point], b: &[Point]) -> ConvexDepth {
+/// The least translation of the second of two convex bodies, given by their vertices, that parts it from the first. `rounding`: by how
+/// much the vertices may be off the border of a convex body, metres.
+pub fn convex_depth(a: &[Point], b: &[Point], rounding: f64) -> ConvexDepth {
     let difference = Difference { a, b };
     let mut best = ConvexDepth { direction: [0.0, 0.0, 1.0], depth: f64::INFINITY, is_least: false };
     let mut look = |direction: Point| {
@@ -145,7 +168,8 @@ pub fn convex_depth(a: &[Point], b: &[Point]) -> ConvexDepth {
     };
     let first: Vec<Point> = first_directions().map(|direction| look(direction).0).collect();
     let size = first.iter().flat_map(|p| first.iter().map(move |q| length(&sub(p, q)))).fold(0.0, f64::max);
-    let Some(mut hull) = Hull::new(&first, size) else { return look([0.0, 0.0, 1.0]).2 };
+    let visible = (VISIBLE * size).max(4.0 * rounding);
+    let Some(mut hull) = Hull::new(&first, visible) else { return look([0.0, 0.0, 1.0]).2 };
     for p in first {
         hull.add(p);
     }
@@ -153,7 +177,7 @@ pub fn convex_depth(a: &[Point], b: &[Point]) -> ConvexDepth {
         let nearest = hull.facets.iter().min_by(|f, g| f.distance.total_cmp(&g.distance)).copied();
         let Some(nearest) = nearest else { return look([0.0, 0.0, 1.0]).2 };
         let (point, depth, found) = look(nearest.normal);
-        if depth - nearest.distance <= AGREED * size {
+        if depth - nearest.distance <= (AGREED * size).max(2.0 * visible) {
             return ConvexDepth { is_least: true, ..found };
         }
         if hull.points.len() >= MOST_POINTS || !hull.add(point) {
@@ -165,6 +189,7 @@ pub fn convex_depth(a: &[Point], b: &[Point]) -> ConvexDepth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use feeler_core::geometry::vectors::add;
     use feeler_lanes::SplitMix64;
 
     fn corners(size: Point, place: Point) -> Vec<Point> {
@@ -176,8 +201,41 @@ mod tests {
     fn plates_that_cross_at_a_rim_part_by_the_short_way() {
         for (place, expected) in [([0.0, 1.45, 0.0], 0.06), ([0.0, 0.0, 1.4], 0.11), ([0.0; 3], 1.51)] {
             let (a, b) = (corners([3.0, 3.0, 0.02], [0.0; 3]), corners([3.0, 0.02, 3.0], place));
-            let found = convex_depth(&a, &b);
+            let found = convex_depth(&a, &b, 0.0);
             assert!(found.is_least && (found.depth - expected).abs() < 1e-8, "{found:?}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn what_rounding_dents_has_the_depth_of_the_smooth() {
+        // A box with the corners of its squares, and a wedge flush with it: many points in a plane, each off it by a rounding.
+        let squares: Vec<Point> = (0..32)
+            .map(|i| [i % 2, i / 2 % 4, i / 8].map(f64::from))
+            .filter(|[_, y, z]| [0.0, 3.0].contains(y) || [0.0, 3.0].contains(z))
+            .collect();
+        let wedge = [[0., 0., 0.], [2., 0., 0.], [0., 1., 0.], [0., 0., 1.], [2., 0., 1.], [0., 1., 1.]];
+        let mut random = SplitMix64::new(5);
+        for _ in 0..2000 {
+            let at: Point = std::array::from_fn(|_| (random.unit() * 7.0).floor() / 2.0 - 1.5);
+            let moved: Vec<Point> = wedge.iter().map(|p| add(p, &at)).collect();
+            let mut vector = || std::array::from_fn(|_| random.unit() - 0.5);
+            let x = unit(&vector()).unwrap();
+            let z = unit(&cross(&x, &vector())).unwrap();
+            let frame = [x, cross(&z, &x), z];
+            let rounding = 2f64.powi(-33);
+            let mut turned = |points: &[Point]| -> Vec<Point> {
+                points
+                    .iter()
+                    .map(|p| frame.map(|axis| ((dot(&axis, p) + 1e6) / rounding).round() * rounding - 1e6))
+                    .collect()
+            };
+            let (a, b) = (turned(&squares), turned(&moved));
+            let (smooth, found) = (convex_depth(&squares, &moved, 0.0), convex_depth(&a, &b, rounding));
+            let is_apart = smooth.depth < -1e-8 && found.depth < -1e-8;
+            assert!(
+                found.is_least && (is_apart || (found.depth - smooth.depth).abs() < 1e-8),
+                "{found:?}, not {smooth:?}"
+            );
         }
     }
 
@@ -189,7 +247,7 @@ mod tests {
                 (0..n).map(|_| std::array::from_fn(|_| size * (random.unit() - 0.5))).collect()
             };
             let (a, b) = (points(12, 1.0), points(30, 0.6));
-            let found = convex_depth(&a, &b);
+            let found = convex_depth(&a, &b, 0.0);
             assert!(found.is_least, "{found:?}");
             let difference = Difference { a: &a, b: &b };
             let reach = |direction: &Point| dot(direction, &difference.support(direction));
