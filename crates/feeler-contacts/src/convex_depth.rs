@@ -223,7 +223,7 @@ mod tests {
             let z = unit(&cross(&x, &vector())).unwrap();
             let frame = [x, cross(&z, &x), z];
             let rounding = 2f64.powi(-33);
-            let mut turned = |points: &[Point]| -> Vec<Point> {
+            let turned = |points: &[Point]| -> Vec<Point> {
                 points
                     .iter()
                     .map(|p| frame.map(|axis| ((dot(&axis, p) + 1e6) / rounding).round() * rounding - 1e6))
