@@ -462,3 +462,20 @@ def test_doubts_about_a_mock_up_are_told(
     result = CliRunner().invoke(app, [words[0], "a.obj", *words[1:]])
     assert result.exit_code in (0, 1), result.output
     assert "mock-up: 1 triangle" in result.stderr, result.stderr
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1251", "cp932", "cp1252", "utf-8", "ascii:surrogateescape"])
+def test_what_the_output_has_no_character_for_is_written_plainly(encoding: str, tmp_path: Path) -> None:
+    """A pipe has the encoding of the system: on Windows, a code page."""
+    path = tmp_path / "\u90e8\u54c1.stl"
+    write_stl(path, feeler.Tool(*box((0.0, 0.0, 0.0), (2e-4, 1e-4, 1e-4))))
+    environment = {**os.environ, "PYTHONIOENCODING": encoding, "COLUMNS": "200"}
+    words = [sys.executable, "-m", "feeler", "info", path, "--unit", "mm"]
+    done = subprocess.run(words, capture_output=True, env=environment, timeout=60)
+    assert done.returncode == 0 and done.stderr.count(b"Traceback") == 0, done.stderr
+    shown = done.stdout.decode(encoding.partition(":")[0])
+    micro = "\u00b5" if encoding in ("utf-8", "cp1251", "cp1252") else "u"
+    times = "\u00d7" if encoding in ("utf-8", "cp932", "cp1252") else "x"
+    extent = next(line for line in shown.splitlines() if line.startswith("extent"))
+    assert extent.split(maxsplit=1)[1].startswith(f"200 {micro}m {times} 100 {micro}m")
+    assert ("\u90e8\u54c1" if encoding in ("utf-8", "cp932") else r"\u90e8\u54c1") in shown

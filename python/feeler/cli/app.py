@@ -7,6 +7,7 @@ be written, 130 interrupted. A reader that closes the pipe (head, less) changes 
 from __future__ import annotations
 
 import atexit
+import codecs
 import contextlib
 import functools
 import inspect
@@ -159,6 +160,27 @@ def _exit(status: Any) -> NoReturn:
     sys.exit(status)
 
 
+_PLAIN = {"\N{MULTIPLICATION SIGN}": "x", "\N{MICRO SIGN}": "u", "\N{DEGREE SIGN}": " deg"}
+"""What stands for characters of feeler's own where the output's encoding has none."""
+
+
+def _plainly(error: UnicodeError, *, escapes: bool) -> tuple[str | bytes, int]:
+    """Writes what the encoding has no character for: feeler's own in plain letters, others as escapes.
+
+    `escapes`: bytes of paths that are no text come out as they were.
+    """
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    first = error.object[error.start]
+    if escapes and "\udc80" <= first <= "\udcff":
+        return bytes([ord(first) - 0xDC00]), error.start + 1
+    return _PLAIN.get(first) or first.encode("ascii", "backslashreplace").decode("ascii"), error.start + 1
+
+
+codecs.register_error("feeler.strict", functools.partial(_plainly, escapes=False))
+codecs.register_error("feeler.surrogateescape", functools.partial(_plainly, escapes=True))
+
+
 class _Output(io.BufferedWriter):
     """stdout or stderr that never fails: after the first error nothing more is written, and `trouble` has the reason.
 
@@ -180,15 +202,17 @@ class _Output(io.BufferedWriter):
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
             return None
         try:
+            errors = f"feeler.{stream.errors}" if stream.errors in ("strict", "surrogateescape") else stream.errors
             if stream.isatty():
+                stream.reconfigure(errors=errors)
                 return None
             output = cls(stream.fileno())
             stream.flush()
         except (OSError, ValueError):  # no file at all
             return None
         # What is told on stderr is told at once.
-        encoding, errors, by_lines = stream.encoding, stream.errors, stream.line_buffering or name == "stderr"
-        setattr(sys, name, io.TextIOWrapper(output, encoding, errors, line_buffering=by_lines))
+        by_lines = stream.line_buffering or name == "stderr"
+        setattr(sys, name, io.TextIOWrapper(output, stream.encoding, errors, line_buffering=by_lines))
         return output
 
     def write(self, data: Any, /) -> int:
