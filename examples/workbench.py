@@ -9,7 +9,7 @@ import numpy as np
 
 import feeler
 
-PUMP = "gearbox/fuel_pump/body"
+PUMP = "gearbox/oil_pump/body"
 is_open = "--open" in sys.argv  # the browser
 
 # What has to go before the pump is out already: pipes, nuts and its cover.

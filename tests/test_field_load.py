@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -281,13 +282,30 @@ def test_commands_tell_of_up_axes_and_doubts(up_files):
         assert result.exit_code == 1, result.output  # they share a vertex
         return result
 
-    warning = "feeler: warning: the mock-up has z up and the tool y; to turn both the same way, pass --up z\n"
+    warning = "feeler: warning: the mock-up has z up and the tool y; to turn the tool the same way, pass --up z\n"
     assert run().stderr == warning
     assert run("--up", "z").stderr == ""
     assert run("--unit", "km").stderr.startswith("feeler: warning: mock-up: 3,000 m long: if the file is in milli")
     shown = CliRunner().invoke(app, ["info", str(tool), "--up", "z"]).output
     assert "turned from y up to z up" in shown
     assert CliRunner().invoke(app, ["info", str(tool), "--up", "q"]).exit_code == 2
+
+
+def test_a_tool_is_turned_to_a_saved_scene_and_to_a_sample(up_files, tmp_path):
+    mockup, tool = up_files.save("a_z.obj", "b_y.obj")
+    saved = tmp_path / "a.feeler"
+    assert CliRunner().invoke(app, ["index", str(mockup), "-o", str(saved)]).exit_code == 0
+
+    def collide(world: Any, *more: str) -> Any:
+        return CliRunner().invoke(app, ["collide", str(world), "--tool", str(tool), "--at", "0,0,0", "--json", *more])
+
+    assert "pass --up z" in collide(saved).stderr
+    turned, plain = collide(saved, "--up", "z"), collide(mockup, "--up", "z")
+    assert turned.stderr == "" and json.loads(turned.stdout)["hits"] == json.loads(plain.stdout)["hits"]
+    refused = collide(saved, "--up", "y")
+    assert refused.exit_code == 2 and "saved with z up" in refused.stderr
+    refused = collide("sample:gearbox:45000", "--up", "z")
+    assert refused.exit_code == 2 and "has y up" in refused.stderr
 
 
 # --- many parts ------------------------------------------------------------------------------------------------------

@@ -82,7 +82,7 @@ def test_all_others_keep_a_gap() -> None:
 
 @pytest.mark.parametrize("seed", [0, 19116, 466068])
 def test_pipes_and_hoses_keep_5_mm(seed: int) -> None:
-    """Of two of these seeds, the hose would pass a nut of the fuel pipe by 2.3 mm at its usual height."""
+    """Of two of these seeds, the hose would pass a nut of the pressure pipe by 2.3 mm at its usual height."""
     gearbox = drawn(70_000, seed)
     lines = [path for path in gearbox.meshes if path.rpartition("/")[2] in ("pipe", "hose")]
     assert len(lines) > 2 and not [
@@ -221,7 +221,7 @@ def test_what_comes_out_as_one_unit() -> None:
     for path, unit in (
         (bearing + "ball_3", {bearing + "inner_ring", bearing + "outer_ring", bearing + "cage", bearing + "ball_1"}),
         ("gearbox/housing/dowel_1", {"gearbox/housing/front_case"}),
-        ("gearbox/lines/fuel_pipe/union_nut_1", {"gearbox/lines/fuel_pipe/pipe"}),
+        ("gearbox/lines/pressure_pipe/union_nut_1", {"gearbox/lines/pressure_pipe/pipe"}),
     ):
         last = truth.way(path)[-1]
         assert last.removes and {path, *unit} <= set(last.parts)
@@ -281,7 +281,7 @@ def test_each_fastener_holds_something() -> None:
     assert all(fastener.holds for fastener in truth.fasteners)
     for path, holder in (
         ("harness/main_sensor", "harness/main_sensor"),
-        ("lines/fuel_pipe/adapter_2", "lines/fuel_pipe/clamp_screw"),
+        ("lines/pressure_pipe/adapter_2", "lines/pressure_pipe/clamp_screw"),
         ("lines/oil_pipe/pipe", "lines/oil_pipe/clip_bolt"),
     ):
         assert f"gearbox/{holder}" in truth.holds(f"gearbox/{path}")
@@ -291,7 +291,7 @@ def test_fittings_are_bored() -> None:
     """The bore of a pipe goes on through the fittings at both ends: one hole runs through each."""
     meshes = drawn(100_000, 5).meshes
     for name in ("adapter_1", "adapter_2", "pipe"):
-        assert judge.manifold(meshes[f"gearbox/lines/fuel_pipe/{name}"]).genus() == 1
+        assert judge.manifold(meshes[f"gearbox/lines/pressure_pipe/{name}"]).genus() == 1
 
 
 def test_tools_reach_the_fasteners() -> None:
@@ -375,8 +375,8 @@ def test_shafts_turn_by_the_ratios_of_their_teeth() -> None:
     ratios = {
         ("starter_shaft", "main_shaft"): -44 / 36,
         ("idler_shaft", "main_shaft"): -44 / 28,
-        ("fuel_pump_shaft", "idler_shaft"): -28 / 34,
-        ("breather_shaft", "fuel_pump_shaft"): -34 / 26,
+        ("oil_pump_shaft", "idler_shaft"): -28 / 34,
+        ("breather_shaft", "oil_pump_shaft"): -34 / 26,
         ("pinion_shaft", "main_shaft"): 30 / 20,
     }
     for (driven, driver), ratio in ratios.items():

@@ -58,7 +58,7 @@ def _until(is_true: Any, seconds: float = 60.0) -> None:
 
 COMMANDS = {
     "each": ("remove", "--part", "*", "--each", "--rounds", "90", "--seconds", "900"),
-    "order": ("remove", "--part", "*fuel_pump/body", "--order", "--rounds", "50", "--seconds", "900"),
+    "order": ("remove", "--part", "*oil_pump/body", "--order", "--rounds", "50", "--seconds", "900"),
     "access": ("access", "--tool", "sample:hand", "--angles", "3600"),
 }
 
@@ -179,7 +179,7 @@ def test_tasks_whose_answers_are_of_no_use_are_told_to_end(tmp_path: Path) -> No
         "feeler.removals(scene, rounds=900, seconds=900, executor=pool)",
         "feeler.access(scene, feeler.sample_tool('hand'), found, 1.0, 3600, executor=pool)",
         "feeler.clash_variants([scene.mockup] * 50, 0.1, executor=pool)",
-        "feeler.removal_order(scene, '*fuel_pump/body', rounds=900, seconds=900, executor=pool)",
+        "feeler.removal_order(scene, '*oil_pump/body', rounds=900, seconds=900, executor=pool)",
     ],
 )
 def test_ctrl_c_in_a_script_does_not_wait_for_the_tasks(call: str, file: Path) -> None:

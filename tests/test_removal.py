@@ -265,7 +265,7 @@ COVER = "gearbox/covers/idler_front"
     [
         f"{COVER}/bolt_1",
         f"{COVER}/cover",
-        "gearbox/fuel_pump/body",
+        "gearbox/oil_pump/body",
         "gearbox/input_drive/cartridge",
         "gearbox/lines/oil_pipe/pipe",
         "gearbox/gear_train/idler_shaft/shaft",

@@ -30,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 
 SIZE = (1280, 720)
 GREY, BLUE = (0.80, 0.81, 0.82), (0.27, 0.50, 0.80)
-PUMP, GEARBOX_TRIANGLES = "gearbox/fuel_pump/body", 400_000
+PUMP, GEARBOX_TRIANGLES = "gearbox/oil_pump/body", 400_000
 
 
 def along(tool: feeler.Tool, poses: Floats, count: int) -> list[Floats]:
@@ -62,7 +62,7 @@ def draw_tubes(path: Path) -> None:
 
 
 def draw_pump(path: Path) -> None:
-    """The fuel pump of the sample gearbox and all around it; its pipes, nuts and end cover are out already."""
+    """The oil pump of the sample gearbox and all around it; its pipes, nuts and end cover are out already."""
     mockup = feeler.sample("gearbox", GEARBOX_TRIANGLES)
     *before, last = feeler.sample_truth("gearbox", GEARBOX_TRIANGLES).way(PUMP)
     out = [path for step in before if step.removes for path in step.parts]

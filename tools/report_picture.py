@@ -29,7 +29,7 @@ SIZE = (1120, 1180)
 WAIT_S = 300.0
 RETAINER = "gearbox/bracket/left_mount/retainer"
 REQUIREMENTS = (
-    ("Fuel pipe to bracket", "*fuel_pipe/pipe*", "*bracket/*", 0.005),
+    ("Pressure pipe to bracket", "*pressure_pipe/pipe*", "*bracket/*", 0.005),
     ("Oil filter to covers", "*oil_filter*", "*covers*", 0.001),
     ("Starter to lines", "*starter*", "*lines*", 0.002),
 )

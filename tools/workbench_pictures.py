@@ -32,7 +32,7 @@ SHARP_MS = 6000  # in which a view that stands is drawn again and again, and ave
 TURN_MS = 2000  # after which this script, which set the scene, has let go of the tool
 SETTINGS = '{"has_seen_tour": true, "has_first_run": false, "is_muted": true}'
 
-PUMP, STARTER, COVER = "gearbox/fuel_pump", "gearbox/starter", "gearbox/covers/main_front"
+PUMP, STARTER, COVER = "gearbox/oil_pump", "gearbox/starter", "gearbox/covers/main_front"
 UNION_NUT = "gearbox/lines/vent_hose/union_nut_1"
 AT_NUT = ((0.115, -0.21, 0.29), (0.195, -0.045, 0.13))
 AT_TOP = ((-0.15, -0.42, 0.46), (0.03, -0.03, 0.12))

@@ -24,8 +24,8 @@ SAME = (
 )
 """What two rows have to say alike."""
 GEARBOX = (
-    *("fuel_pump/body", "starter/body", "generator/body", "oil_filter/head", "covers/main_front/cover"),
-    *("covers/idler_front/cover", "covers/fuel_pump_front/cover", "covers/breather_rear/cover"),
+    *("oil_pump/body", "starter/body", "generator/body", "oil_filter/head", "covers/main_front/cover"),
+    *("covers/idler_front/cover", "covers/oil_pump_front/cover", "covers/breather_rear/cover"),
     *("bracket/left_mount/retainer", "bracket/right_mount/retainer"),
 )
 

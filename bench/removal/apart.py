@@ -2,7 +2,7 @@
 
     python bench/removal/apart.py                  100,000 triangles, 10 minutes
     python bench/removal/apart.py 250000 --seconds 1200
-    python bench/removal/apart.py --of gearbox/fuel_pump/body --of gearbox/starter/gasket
+    python bench/removal/apart.py --of gearbox/oil_pump/body --of gearbox/starter/gasket
 
 Prints the parts removed in each round, and at the end how many parts came out after all that the gearbox's known order
 requires before them. An order may differ from the known one and be right: each path was verified. `--of`: the orders of

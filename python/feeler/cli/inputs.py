@@ -203,7 +203,9 @@ def read_both(
     doubts += [f"tool: {doubt}" for doubt in probe.source.doubts if tool is not None]
     ours, theirs = world.source.up, probe.source.up
     if ours and theirs and ours != theirs:
-        doubts.append(f"the mock-up has {ours} up and the tool {theirs}; to turn both the same way, pass --up z")
+        doubts.append(
+            f"the mock-up has {ours} up and the tool {theirs}; to turn the tool the same way, pass --up {ours}"
+        )
     for doubt in doubts:
         warn(doubt)
     return world, probe
@@ -273,7 +275,11 @@ def read_mockup(
         sample = check_word("the sample", name, SAMPLE_NAMES)
         planted = faults_of([faults], "the fault")
         with telling(f"making {name}", also) as progress:
-            return feeler.sample(sample, count, seed=arrangement, faults=planted, progress=progress)
+            mockup = feeler.sample(sample, count, seed=arrangement, faults=planted, progress=progress)
+        axis, wanted = mockup.source.up, parse_axis(up)
+        if axis and wanted not in (None, axis):
+            raise OptionError(f"--up: {wanted} is not the axis of {sources[0]}, which has {axis} up")
+        return mockup
     with telling("loading mock-up", also) as progress:
         given = sources if len(sources) > 1 else sources[0]
         mockup = feeler.load_mockup(

@@ -178,12 +178,18 @@ def _of_saved(
     path: str, unit: str | None, up: str | None, chord_tolerance: float | None, progress: Progress | None
 ) -> Mockup:
     """The mock-up of a saved scene. A scene that is made of it takes the index from the file."""
-    for name, value in (("unit", unit), ("up", up), ("chord_tolerance", chord_tolerance)):
+    for name, value in (("unit", unit), ("chord_tolerance", chord_tolerance)):
         if value is not None:
             raise OptionError(
                 f"{name}={value!r} is for meshes, but {path} is a saved scene: give it when the scene is made"
             )
-    return Mockup._of_file(opened(path, True, free_memory() * 4 // 5, progress))
+    mockup = Mockup._of_file(opened(path, True, free_memory() * 4 // 5, progress))
+    if up not in (None, mockup.source.up):
+        made = "without an axis" if mockup.source.up is None else f"with {mockup.source.up} up"
+        raise OptionError(
+            f"up={up!r} is for meshes, but {path} is a scene that was saved {made}: give it when the scene is made"
+        )
+    return mockup
 
 
 @dataclass

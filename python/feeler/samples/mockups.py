@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterable, Set
+from collections.abc import Callable, Iterable
 from typing import Final
 
 import numpy as np
@@ -228,7 +228,7 @@ _MAKERS: dict[SampleName, tuple[Callable[[Plan, Amount], None], float]] = {
 
 
 def _names(faults: object) -> tuple[str, ...]:
-    """The names of faults, in the order given; those of a set in the order of `FAULTS`, the same in each run.
+    """The names of faults, each once, in the order of `FAULTS`: unknown ones last.
 
     Raises `OptionError` for anything but texts.
     """
@@ -236,7 +236,6 @@ def _names(faults: object) -> tuple[str, ...]:
         names = list(faults)
         if all(isinstance(name, str) for name in names):
             known = list(accessory.FAULTS)
-            if isinstance(faults, Set):
-                names.sort(key=lambda name: (known.index(name) if name in known else len(known), name))
-            return tuple(map(str, names))
+            order = [*known, *sorted({*map(str, names)} - {*known})]
+            return tuple(name for name in order if name in names)
     raise OptionError(f"faults is {faults!r}: give a list of names, of {', '.join(accessory.FAULTS)}")

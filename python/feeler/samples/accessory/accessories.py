@@ -273,10 +273,10 @@ def accessory(
     return body
 
 
-def fuel_pump(shop: Workshop) -> Floats:
-    """The fuel pump on its studs, with an end cover; returns the frame of its outlet."""
-    asm, cut, s = shop.asm, shop.cut, shop.plan.station("fuel_pump")
-    group = "fuel_pump"
+def oil_pump(shop: Workshop) -> Floats:
+    """The oil pump on its studs, with an end cover; returns the frame of its outlet."""
+    asm, cut, s = shop.asm, shop.cut, shop.plan.station("oil_pump")
+    group = "oil_pump"
     screws = [(13.8 * np.cos(a), 13.8 * np.sin(a)) for a in np.arange(5) * (2.0 * np.pi / 5.0) + 0.4]
     blinds = tuple((float(x), float(y), tapped(cut, 4, 8.0)) for x, y in screws)
     up = ((19.2, 10.0), (18.4, 11.0), (18.4, 22.0), (17.0, 23.0), (17.0, 26.0), (18.4, 27.0), (18.4, 45.0))
@@ -311,7 +311,7 @@ def fuel_pump(shop: Workshop) -> Floats:
             head="screw",
             washer=False,
         )
-    asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1"])
+    asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/pressure_pipe/adapter_1"])
     asm.wait(body, cover)
     return times(face, at(z=17.0))
 
@@ -502,6 +502,8 @@ def oil_filter(shop: Workshop) -> None:
     limits = -BAYONET_STOPS[1], BAYONET + BAYONET_STOPS[0]
     asm.joint("filter_bowl", [bowl, ring, element], down, pose[:3, 3], limits)
     asm.step([bowl, ring, element], turn(down, pose[:3, 3], BAYONET), pull(down, 130.0), door_open=True)
+    # of the wrench
+    in_the_way: list[list[str]] = [["lines/pressure_pipe/adapter_2"], ["lines/oil_pipe/adapter_2"], [], []]
     bolts = []
     for k, (x, y) in enumerate(FILTER_BOLTS):
         bolts += shop.bolt(
@@ -513,7 +515,7 @@ def oil_filter(shop: Workshop) -> None:
             rear,
             14.0 + GASKET,
             TAPPED,
-            after=(["lines/fuel_pipe/adapter_2"], ["lines/oil_pipe/adapter_2"], [], [])[k],  # in the way of the wrench
+            after=in_the_way[k],
             away=100.0,
         )
     asm.step(

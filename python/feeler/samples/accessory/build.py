@@ -24,10 +24,10 @@ def build(cut: Cut, seed: int) -> Assembly:
     face_holes[REAR.name].append(lines.post_hole(plan, cut, lines.elbow_end(ports[1])))
     shop.housing(face_holes, [*accessories.side_holes(shop), *stand.side_holes(shop)])
     for s in plan.stations:
-        shop.shaft(s, {"starter": "low high", "fuel_pump": "high"}.get(s.name, ""))
+        shop.shaft(s, {"starter": "low high", "oil_pump": "high"}.get(s.name, ""))
     shop.meshes()
     accessories.input_drive(shop)
-    outlet = accessories.fuel_pump(shop)
+    outlet = accessories.oil_pump(shop)
     accessories.starter(shop)
     receptacle = accessories.generator(shop)
     accessories.oil_filter(shop)
@@ -37,13 +37,13 @@ def build(cut: Cut, seed: int) -> Assembly:
     for s in plan.stations:
         for half in (FRONT, REAR):
             name = f"{s.name}_{half.name[:-5]}"
-            if name in ("starter_front", "starter_rear", "fuel_pump_rear"):
+            if name in ("starter_front", "starter_rear", "oil_pump_rear"):
                 continue
             r = s.pad - (16.0 if s.pad > 30.0 else 12.0)
             place = lines.OIL_PORT if name == "main_rear" else (0.0, 0.0)
             covers[name] = shop.cover(s, half, name, ((r, 6.0), (r - 1.0, 13.0)), ((*place, port(cut)),))
             face = times(shop.pad(s, half), at(z=13.0))
-            if name in ("main_front", "fuel_pump_front", "breather_front"):
+            if name in ("main_front", "oil_pump_front", "breather_front"):
                 sensor = lines.speed_sensor(shop, s.name, covers[name], face)
                 asm.wait(covers[name], sensor)
                 sources.append((f"{s.name}_sensor", times(face, at(z=20.0)), sensor))
@@ -57,13 +57,13 @@ def build(cut: Cut, seed: int) -> Assembly:
         [(faces["breather"], covers["breather_rear"], "straight"), (faces["idler"], covers["idler_rear"], "straight")],
         lines.vent_level(faces["breather"], faces["idler"], outlet),
         kind="hose",
-        after=["lines/fuel_pipe/pipe"],
+        after=["lines/pressure_pipe/pipe"],
     )
     lines.line(
         shop,
-        "lines/fuel_pipe",
+        "lines/pressure_pipe",
         "stainless steel",
-        [(outlet, "fuel_pump/end_cover", "straight"), (ports[0], "oil_filter/head", "elbow")],
+        [(outlet, "oil_pump/end_cover", "straight"), (ports[0], "oil_filter/head", "elbow")],
         226.0,
     )
     oil, _, _ = lines.line(

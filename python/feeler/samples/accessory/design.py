@@ -272,7 +272,7 @@ class Workshop:
         front, rear = OUT + FRONT.name, OUT + REAR.name
         pose = times(at(s.x, s.y), turned("z", s.turn))
         main = s.name == "main"
-        low = FRONT.z(FRONT.lip)
+        low = FRONT.z(FRONT.stop(b))
         shoulder = low + b.width
         rear_face = REAR.z(REAR.boss)
         journal = (b.bore + deviation("k6", b.bore)) / 2.0
@@ -370,7 +370,7 @@ class Workshop:
 
     def shaft_end(self, s: Station, half: Half) -> float:
         """The z of an end of a shaft."""
-        return FRONT.z(FRONT.lip) - 1.5 if half is FRONT else REAR.z(REAR.boss) + s.bearing.width + 1.0
+        return FRONT.z(FRONT.stop(s.bearing)) - 1.5 if half is FRONT else REAR.z(REAR.boss) + s.bearing.width + 1.0
 
     def spline(self, s: Station) -> train.Spline:
         """The spline in the rear end of a shaft."""
@@ -424,7 +424,7 @@ class Workshop:
 
     def pad_holes(self, s: Station, half: Half) -> tuple[int, list[tuple[float, float]]]:
         """Size and places of the tapped holes of a pad, in the pad's frame."""
-        size, count, edge = (6, 6, 7.0) if s.pad > 35.0 else (5, 6 if s.pad > 30.0 else 5, 5.8)
+        size, count, edge = (6, 6, 7.0) if s.pad > 35.0 else (5, 6 if s.pad > 30.0 else 5, 5.5)
         start = 0.35 + 0.2 * self.plan.stations.index(s) + (0.5 if half is REAR else 0.0)
         return size, bolt_circle((0.0, 0.0), s.pad - edge, count, start)
 

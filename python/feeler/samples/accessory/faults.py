@@ -60,7 +60,7 @@ def _support(asm: Assembly, path: str, x: float, top: float) -> None:
 
 
 def _pipe_clash(asm: Assembly) -> Planted:
-    pipe, path = "lines/fuel_pipe/pipe", "bracket/pipe_support"
+    pipe, path = "lines/pressure_pipe/pipe", "bracket/pipe_support"
     x, low = _leg(asm, pipe)
     _support(asm, path, x, low + CLASH_MM)
     asm.block("pipe_clash", pipe)

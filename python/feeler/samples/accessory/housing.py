@@ -169,7 +169,8 @@ def case(
         foot, rim = solid.turned(rows, cut.circle(out), times(pose, _at(s.x, s.y)))
         rows = [(seat + 0.6, half.boss), (seat, half.boss + 0.6)] if fine else [(seat, half.boss)]
         wide = opening(s) + deviation("H7", 2.0 * opening(s)) / 2.0 + cut.ease
-        rows += [(seat, half.lip), (wide, half.lip), (wide, half.pad - edge)]
+        stop = half.stop(s.bearing)
+        rows += [(seat, stop), (wide, stop), (wide, half.pad - edge)]
         rows += [(wide + edge, half.pad)] if fine else []
         start, end = solid.turned(rows, cut.circle(seat), times(pose, _at(s.x, s.y)))
         solid.face(rim, start)

@@ -20,6 +20,7 @@ TAPPED = 10.0
 """Depth of tapped holes in the walls: bolts have 1.4 diameters of thread in the cast aluminium."""
 CORNER = 22.0
 GASKET = 0.5
+END_PLAY = 0.5
 BEVEL_TEETH = (30, 20)
 BEVEL_WIDTH = 10.0
 APEX_Z = 54.0
@@ -57,15 +58,20 @@ class Half:
     outer: float
     pad: float
     boss: float
-    lip: float
+    lip: float | None
+    """What the bearings bear on; None: they float, each by `END_PLAY`."""
 
     def z(self, height: float) -> float:
         """The z of a height above the half's split face."""
         return self.start + self.sign * height
 
+    def stop(self, bearing: Bearing) -> float:
+        """The height of the shoulder behind a bearing."""
+        return self.boss + bearing.width + END_PLAY if self.lip is None else self.lip
+
 
 FRONT = Half("front_case", -1.0, 0.0, 24.0, 32.0, 38.0, 16.0, 30.0)
-REAR = Half("rear_case", 1.0, GASKET, 87.5, 95.5, 101.5, 77.5, 92.0)
+REAR = Half("rear_case", 1.0, GASKET, 87.5, 95.5, 101.5, 77.5, None)
 
 
 @dataclass(frozen=True)
@@ -141,13 +147,13 @@ def layout(seed: int, rng: np.random.Generator, bolts: int) -> Layout:
 def _drawn(vary: bool, rng: np.random.Generator, bolts: int) -> Layout:
     extra = rng.integers(-1, 3, 5).tolist() if vary else [0] * 5
     lean = rng.uniform(-6.0, 6.0, 4).tolist() if vary else [0.0] * 4
-    names = ("starter", "main", "idler", "fuel_pump", "breather")
+    names = ("starter", "main", "idler", "oil_pump", "breather")
     teeth = [t + e for t, e in zip((36, 44, 28, 34, 26), extra, strict=True)]
     reach = [MODULE * (a + b) / 2.0 for a, b in pairwise(teeth)]
     angle = np.deg2rad(np.array([200.0, -25.0, 20.0, -20.0]) + lean)
     places = {"main": np.zeros(2)}
     turns = {"main": 0.0}
-    order = (("main", "starter", 0), ("main", "idler", 1), ("idler", "fuel_pump", 2), ("fuel_pump", "breather", 3))
+    order = (("main", "starter", 0), ("main", "idler", 1), ("idler", "oil_pump", 2), ("oil_pump", "breather", 3))
     for a, b, k in order:
         places[b] = places[a] + reach[k] * np.array([np.cos(angle[k]), np.sin(angle[k])])
         turns[b] = mate_turn(turns[a], teeth[names.index(a)], teeth[names.index(b)], float(angle[k]))
@@ -155,10 +161,10 @@ def _drawn(vary: bool, rng: np.random.Generator, bolts: int) -> Layout:
         "starter": ("6204", 30),
         "main": ("6204", 30),
         "idler": ("6202", 20),
-        "fuel_pump": ("6203", 25),
+        "oil_pump": ("6203", 25),
         "breather": ("6202", 20),
     }
-    pads = {"starter": 37.0, "main": 38.0, "idler": 26.0, "fuel_pump": 31.0, "breather": 26.0}
+    pads = {"starter": 37.0, "main": 38.0, "idler": 27.0, "oil_pump": 31.0, "breather": 27.0}
     stations = tuple(
         Station(n, float(places[n][0]), float(places[n][1]), t, turns[n], BEARINGS[kinds[n][0]], kinds[n][1], pads[n])
         for n, t in zip(names, teeth, strict=True)

@@ -168,7 +168,7 @@ def line(
 
 
 def vent_level(begin: Floats, end: Floats, outlet: Floats) -> float:
-    """The height of the vent hose's run between two ports: above the nut on the fuel pump's outlet where it would pass
+    """The height of the vent hose's run between two ports: above the nut on the oil pump's outlet where it would pass
     that by less than `APART`."""
     a, b, at_nut = begin[:2, 3], end[:2, 3], outlet[:2, 3]
     along = (b - a) / np.linalg.norm(b - a)
