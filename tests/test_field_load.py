@@ -301,7 +301,9 @@ def test_a_tool_is_turned_to_a_saved_scene_and_to_a_sample(up_files, tmp_path):
 
     assert "pass --up z" in collide(saved).stderr
     turned, plain = collide(saved, "--up", "z"), collide(mockup, "--up", "z")
-    assert turned.stderr == "" and json.loads(turned.stdout)["hits"] == json.loads(plain.stdout)["hits"]
+    assert turned.stderr == plain.stderr == ""
+    for name in ("lower", "upper", "up"):
+        assert json.loads(turned.stdout)["tool"][name] == json.loads(plain.stdout)["tool"][name]
     refused = collide(saved, "--up", "y")
     assert refused.exit_code == 2 and "saved with z up" in refused.stderr
     refused = collide("sample:gearbox:45000", "--up", "z")
