@@ -210,6 +210,7 @@ def test_a_document_that_cannot_be_right_is_refused(engine: feeler.Scene, tmp_pa
         ("part_colours", np.ones((3, 4))),
         ("part_colours", [1.0, 0.0, 0.0]),
         ("part_colours", "red"),
+        ("part_colours", np.ones((3, 3), complex)),
         ("part_names", ["a", "b"]),
         ("part_paths", ["a", "b", 3]),
     ],

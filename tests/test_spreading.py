@@ -15,7 +15,7 @@ import threading
 import time
 import warnings
 from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +138,19 @@ def test_workers_that_always_die_are_an_error() -> None:
         warnings.simplefilter("ignore", WorkerLost)
         with pytest.raises(feeler.FeelerError, match="workers died 4 times, and 2 of 2 tasks are not done"):
             spread(kills_always, None, None, range(2), ProcessPoolExecutor(1, mp_context=SPAWN))
+
+
+def test_tasks_that_are_cancelled_again_and_again_are_an_error() -> None:
+    class Cancels(Executor):
+        def submit(self, *_: Any, **__: Any) -> Future[Any]:
+            future: Future[Any] = Future()
+            future.cancel()
+            return future
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", WorkerLost)
+        with pytest.raises(feeler.FeelerError, match="tasks were cancelled 4 times, and 2 of 2 are not done"):
+            spread(kills_always, None, None, range(2), Cancels())
 
 
 def test_an_error_of_a_task_is_raised(processes: Executor) -> None:

@@ -141,7 +141,8 @@ def extras(facts: Facts, stated: Attributes | None, parts: int) -> list[tuple[st
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
     if facts.colours is not None:
         try:
-            colours = np.ascontiguousarray(facts.colours, dtype="<f8")
+            is_complex = np.iscomplexobj(facts.colours)
+            colours = np.zeros(0) if is_complex else np.ascontiguousarray(facts.colours, dtype="<f8")
         except (TypeError, ValueError):
             colours = np.zeros(0)
         if colours.shape != (parts, 3):

@@ -318,6 +318,11 @@ class _Round(Generic[Task, Result]):
     def _recover(self, error: BaseException) -> None:
         self._losses += 1
         missing = len(self._tasks) - len(self._results)
+        if self._losses > MOST_LOSSES and isinstance(error, CancelledError):
+            raise FeelerError(
+                f"tasks were cancelled {self._losses} times, and {missing} of {len(self._tasks)} are not done: is the "
+                "executor in use by something that cancels its tasks?"
+            ) from None
         if self._losses > MOST_LOSSES:
             raise FeelerError(
                 f"workers died {self._losses} times, and {missing} of {len(self._tasks)} tasks are not done: is there "
