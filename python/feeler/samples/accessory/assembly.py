@@ -298,7 +298,8 @@ class Assembly:
     def wait_for_lines(self) -> None:
         """Fasteners and round covers whose way crosses a pipe or cable come out after it."""
         paths = [
-            (line, bent(Cut(0.1), corners, bend, radius).points, radius) for line, corners, radius, bend in self.lines
+            (line, _dense(bent(Cut(0.1), corners, bend, radius).points), radius)
+            for line, corners, radius, bend in self.lines
         ]
         for step in self.steps:
             part = self.parts[step.parts[0]]
@@ -307,20 +308,13 @@ class Assembly:
                 continue
             head, tool, height = size
             leg, start = step.legs[-1], part.pose[:3, 3]
-            along = np.linspace(0.0, leg.distance + height, 120)
-            way = start + along[:, None] * np.array(leg.axis)
-            room = np.where(along < SOCKET_MM, tool, head)
             for path, points, radius in paths:
-                reach = radius + float(room.max())
-                low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
-                beside = (way.max(axis=0) < low) | (way.min(axis=0) > high)
-                if path in step.after or beside.any():
-                    continue
-                a, side = points[:-1], np.diff(points, axis=0)
-                off = way[:, None] - a
-                share = np.clip((off * side).sum(axis=2) / (side * side).sum(axis=1), 0.0, 1.0)
-                gap = np.sqrt(((off - share[:, :, None] * side) ** 2).sum(axis=2)).min(axis=1)
-                if (gap < radius + room).any():
+                off = points - start
+                along = times(off, leg.axis)
+                beside = np.sqrt(((off - along[:, None] * leg.axis) ** 2).sum(axis=1))
+                room = np.where(along < SOCKET_MM, tool, head)
+                is_level = (along > -radius) & (along < leg.distance + height + radius)
+                if path not in step.after and (is_level & (beside < radius + room)).any():
                     step.after.append(path)
 
     def fasten(
@@ -381,6 +375,16 @@ class Assembly:
             if not any(fnmatch.fnmatchcase(path, pattern) for path in self.parts):
                 raise ValueError(f"no part is called {pattern}")
         return [p for p in self.parts if p in exact or any(fnmatch.fnmatchcase(p, w) for w in loose)]
+
+
+def _dense(points: Floats) -> Floats:
+    """A chain of points (n, 3) with more between them: no two are farther apart than 1 mm."""
+    steps = np.ceil(np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1))).astype(int).clip(1)
+    shares = [
+        a + np.linspace(0.0, 1.0, n, endpoint=False)[:, None] * (b - a)
+        for a, b, n in zip(points, points[1:], steps, strict=False)
+    ]
+    return np.concatenate([*shares, points[-1:]])
 
 
 def _room(part: Part) -> tuple[float, float, float] | None:
