@@ -85,15 +85,15 @@ def opens(triangles: int, folder: Path, rounds: int) -> list[str]:
     return [*row, f"{1e3 * plain:.1f} ms", f"{1e3 * verified:.0f} ms", f"{first:.2f} s"]
 
 
-def work(workers: list[int], triangles: int, entries: int, folder: Path) -> list[list[str]]:
-    """Rows of the second table."""
+def work(workers: list[int], triangles: int, entries: int, most: float, folder: Path) -> list[list[str]]:
+    """Rows of the second table. `most`: seconds for a part."""
     mockup = feeler.sample("gearbox", triangles)
     path = folder / "gearbox.feeler"
     feeler.Scene(mockup).save(path)
     scene = feeler.open_scene(path, threads=1)
     step = max(1, mockup.part_count // entries)
     chosen = [[part] for part in range(0, mockup.part_count, step)][:entries]
-    options: dict[str, Any] = {"rounds": 1, "seconds": 3600.0}
+    options: dict[str, Any] = {"rounds": 1, "seconds": most}
     rows = []
     alone = seconds(lambda: feeler.removals(scene, chosen, threads=1, **options))
     rows.append(["this process, one thread", f"{60 * len(chosen) / alone:.1f}", "", ""])
@@ -117,13 +117,14 @@ def main() -> int:
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2], help="processes")
     parser.add_argument("--gearbox", type=int, default=75_000, help="triangles of the sample gearbox")
     parser.add_argument("--entries", type=int, default=40, help="parts of it that are taken out")
+    parser.add_argument("--seconds", type=float, default=3600.0, help="for each of them at most")
     parser.add_argument("--rounds", type=int, default=5, help="of each open, of which the best counts")
     parser.add_argument("--write", action="store_true", help="write the tables into docs/scale.md")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="feeler-bench-") as name:
         folder = Path(name)
         rows = [opens(triangles, folder, options.rounds) for triangles in options.triangles]
-        shared = work(options.workers, options.gearbox, options.entries, folder)
+        shared = work(options.workers, options.gearbox, options.entries, options.seconds, folder)
     machine = host.machine()
     note = f"{machine['cpu']}, {machine['cores']} cores; `python bench/scale.py`."
     heads = [

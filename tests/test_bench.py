@@ -487,7 +487,20 @@ def test_selections_of_a_toy_engine(root: Path) -> None:
 
 
 def test_scale_of_a_toy_engine(root: Path) -> None:
-    few = ("--triangles", "10000", "--gearbox", "40000", "--entries", "1", "--workers", "1", "--rounds", "1")
+    few = (
+        "--triangles",
+        "10000",
+        "--gearbox",
+        "40000",
+        "--entries",
+        "1",
+        "--workers",
+        "1",
+        "--rounds",
+        "1",
+        "--seconds",
+        "1",
+    )
     done = run(root, "scale.py", *few)
     assert done.returncode == 0, done.stderr
     rows = [line.split(" | ") for line in done.stdout.splitlines() if line.startswith("|")]
