@@ -494,7 +494,7 @@ def oil_filter(shop: Workshop) -> None:
     ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, times(pose, at(z=25.2)), bowl, head)
     element = asm.add(
         f"{group}/element", "filter paper", standard.ring_of,
-        ((7.0, 26.0), (13.8, 26.0), (13.8, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
+        ((7.0, 26.0), (13.8, 26.0), (13.8, 118.0), (7.0, 118.0)), 13.8, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
     asm.keep(bowl, "captive", element)

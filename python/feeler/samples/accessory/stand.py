@@ -305,6 +305,7 @@ def door(shop: Workshop, s: Stand) -> None:
         standard.dowel,
         2.0 * LATCH_ROD + deviation("h6", 2.0 * LATCH_ROD),
         16.0,
+        16,  # sides, so that the latch stops where it should
         pose=frame((rod_x, s.door + 8.0, rod_z), Y),
         spin=True,
     )

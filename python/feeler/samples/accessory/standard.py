@@ -161,10 +161,10 @@ def o_ring(cut: Cut, radius: float, section: float) -> Solid:
     return ring_of(cut, tuple(map(tuple, rows.tolist())))
 
 
-def dowel(cut: Cut, diameter: float, length: float) -> Solid:
-    """A dowel pin (ISO 8734) about z, centred."""
+def dowel(cut: Cut, diameter: float, length: float, least: int = 8) -> Solid:
+    """A dowel pin (ISO 8734) about z, centred, with `least` sides or more."""
     r, h, e = diameter / 2.0, length / 2.0, 0.1 * diameter
-    return turned_part(cut, tuple(cut.sharp(((r - e, -h), (r, e - h), (r, h - e), (r - e, h)))))
+    return turned_part(cut, tuple(cut.sharp(((r - e, -h), (r, e - h), (r, h - e), (r - e, h)))), least)
 
 
 # --- threads as helices -----------------------------------------------------------------------------------------------
