@@ -209,7 +209,7 @@ def test_sample_lists_makes_and_writes(tmp_path: Path) -> None:
     planted = ("--fault", "floating,inside", "--fault", "mirrored")
     faulty = run_json("sample", "gearbox", "--triangles", "80000", *planted, "--truth", truth)
     assert faulty["parts"] > 500
-    assert [fault["name"] for fault in json.loads(truth.read_text())["faults"]] == ["floating", "inside", "mirrored"]
+    assert [fault["name"] for fault in json.loads(truth.read_text())["faults"]] == ["inside", "floating", "mirrored"]
     planted_here = run_json("info", "sample:gearbox:80000::floating,inside")["files"][0]
     assert planted_here["parts"] == faulty["parts"] and planted_here["triangles"] == faulty["triangles"]
     assert "pipe_clash" in run("sample", "gearbox", "--triangles", "80000", "--fault", "rust", code=2).output
