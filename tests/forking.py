@@ -14,6 +14,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 IS_THERE = hasattr(os, "pidfd_open") and hasattr(socket, "send_fds")
 MOST_BYTES = 1 << 18
@@ -119,6 +120,13 @@ def _run(request: dict[str, object], output: int, status: int) -> None:
     os.chdir(str(request["folder"]))
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     sys.argv = ["feeler", *request["words"]]  # type: ignore[misc]
+    leave = os._exit
+
+    def told(number: int) -> NoReturn:
+        os.write(status, str(number).encode())
+        leave(number)
+
+    os._exit = told  # the program may end so itself, above threads that nobody waits for
     code: object = 1
     try:
         main()
@@ -132,9 +140,7 @@ def _run(request: dict[str, object], output: int, status: int) -> None:
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
-        number = code if isinstance(code, int) else 0 if code is None else 1
-        os.write(status, str(number).encode())
-        os._exit(number)
+        told(code if isinstance(code, int) else 0 if code is None else 1)
 
 
 if __name__ == "__main__":
