@@ -361,6 +361,12 @@ def test_lists_are_checked(tmp_path: Path) -> None:
         feeler.maintain(scene, ["s0/cover"], tools="none.toml")
     with pytest.raises(OptionError, match="previous is 3"):
         feeler.maintain(scene, ["s0/cover"], previous=3)  # type: ignore[arg-type]
+    renamed = feeler.Scene(
+        feeler.Mockup({name: box((n, 0, 0), (n + 0.5, 1, 1)) for n, name in enumerate(("other", "b"))})
+    )
+    run = feeler.maintain(renamed, ["other"], seconds=5.0)
+    with pytest.raises(feeler.OptionError, match="previous is a run of other parts, such as 'other', where"):
+        feeler.maintain(scene, ["s0/cover"], previous=run)
 
 
 def test_what_goes_wrong_in_one_row_ends_no_other() -> None:

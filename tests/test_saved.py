@@ -89,7 +89,7 @@ def test_a_mock_up_of_a_file_brings_its_index(file: Path, engine: feeler.Scene) 
     tool = feeler.load_tool(file)
     assert tool.name == "engine" and tool.part_paths == mockup.part_paths
     for option in ({"unit": "mm"}, {"up": "z"}, {"chord_tolerance": 0.1}):
-        with pytest.raises(feeler.OptionError, match=r"scene.*: give it when the scene is made"):
+        with pytest.raises(feeler.OptionError, match=r"which is for meshes.*: give it when"):
             feeler.load_mockup(file, **option)
     with pytest.raises(feeler.LoadError, match="cannot be joined with other files"):
         feeler.load_mockup([file, file])

@@ -181,13 +181,13 @@ def _of_saved(
     for name, value in (("unit", unit), ("chord_tolerance", chord_tolerance)):
         if value is not None:
             raise OptionError(
-                f"{name}={value!r} is for meshes, but {path} is a saved scene: give it when the scene is made"
+                f"{name} is {value!r}, which is for meshes, but {path} is a saved scene: give it when the scene is made"
             )
     mockup = Mockup._of_file(opened(path, True, free_memory() * 4 // 5, progress))
     if up not in (None, mockup.source.up):
         made = "without an axis" if mockup.source.up is None else f"with {mockup.source.up} up"
         raise OptionError(
-            f"up={up!r} is for meshes, but {path} is a scene that was saved {made}: give it when the scene is made"
+            f"up is {up!r}, which is for meshes, but {path} is a scene that was saved {made}: give it when it is made"
         )
     return mockup
 

@@ -120,6 +120,8 @@ def maintain(
     tools = _tools(tools)
     Reaching(scene, tools, 1)  # it raises what is wrong with them
     before = _previous(previous)
+    if before is not None:
+        _check_comparable(before, scene)
     say = progress or (lambda _share, _stage: None)
     options = _digest(tools, table, limit, seed, places)
     is_here = pool is None or isinstance(pool, ThreadPoolExecutor)
@@ -167,6 +169,16 @@ def _tools(tools: Any) -> Any:
     if not isinstance(tools, (str, os.PathLike)):
         return tools
     return catalogue() if tools == BUILT_IN_TOOLS else catalogue(tools)
+
+
+def _check_comparable(before: Maintenance, scene: Scene) -> None:
+    """Raises `OptionError` if no part of the last run has a path of today: nothing would be compared, and said."""
+    there, here = list(before.snapshot.parts), keys_of(scene.mockup)
+    if there and here and not {*there} & {*here}:
+        raise OptionError(
+            f"previous is a run of other parts, such as {there[0]!r}, where this mock-up has {here[0]!r}: parts are "
+            "compared by path, which begins with the file's name; give the file the name that it had"
+        )
 
 
 def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance | None:
