@@ -33,7 +33,7 @@ def engine(triangles: int, bolts: int, repeats: int) -> Result:
         "repeats": repeats,
         "seconds": min(seconds),
         "reachable": int(access.is_reachable.sum()),
-        "without_fit": sum(row.tool is None for row in access),
+        "without_fit": sum(row.tool is None and row.nearest is None for row in access),
         "wrong": sum(not holds(scene, tools, targets[row.target], row) for row in access if row.is_reachable),
         "kinds": dict(Counter(kind_of(tools, row) for row in access if row.is_reachable).most_common()),
     }
