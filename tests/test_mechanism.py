@@ -18,6 +18,7 @@ import feeler
 from feeler import Joint, JointCoupling, Mechanism
 from feeler.errors import LoadError, MechanismError, OptionError
 from feeler.io import write_glb
+from feeler.mechanism.rounds import rounds_of
 
 Z = (0.0, 0.0, 1.0)
 
@@ -156,6 +157,13 @@ def test_a_pin_of_millimetres_in_a_file_of_half_micrometres_is_round(seed: int) 
     joint = feeler.Joint("hinge", "revolute", None, ["eye"], axis=turn[:, 2], point=centre)
     found = feeler.Mechanism(feeler.Mockup(parts), [joint]).range("hinge")
     assert [seat.kind for seat in found.seats] == ["round"] and found.above is None
+
+
+def test_an_oval_of_micrometres_is_not_round() -> None:
+    vertices, faces = prism_ring(5e-6, 0.0, 24, -2e-5, 2e-5)
+    axis, point = np.array([0.0, 0.0, 1.0]), np.zeros(3)
+    assert len(rounds_of(vertices, faces, axis, point)) == 1
+    assert rounds_of(vertices * [1.1, 1.0, 1.0], faces, axis, point) == []
 
 
 def test_a_rack_follows_its_pinion() -> None:

@@ -23,7 +23,7 @@ _ARC = 1.5
 _FEWEST = 4
 _UPRIGHT = 1e-3  # cosine of a facet's normal with the axis
 _SAME = 2e-4  # differences of radii on one surface, as a share of them: axes are found
-_GRID_M = 1e-6  # and beside it: files are rounded, to half a micrometre and finer
+_GRID_M, _GRID_SHARE = 1e-6, 5e-3  # and beside it: files are rounded; by a share at most, where all is small
 _PRESS = 1.1  # a pin is wider than its hole by this factor at most
 
 
@@ -72,7 +72,7 @@ def rounds_of(
         return []
     of = radius[faces]
     mean = of.mean(axis=1)
-    same = (np.ptp(of, axis=1) <= _SAME * mean + _GRID_M) & (mean > 0.0)
+    same = (np.ptp(of, axis=1) <= _slack(mean)) & (mean > 0.0)
     faces, mean = faces[same], mean[same]
     corners = vertices[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -109,12 +109,17 @@ def rounds_of(
     return found
 
 
+def _slack(radius: Floats) -> Floats:
+    """How much radii on one surface may differ, metres."""
+    return np.asarray(_SAME * radius + np.minimum(_GRID_M, _GRID_SHARE * radius) + 1e-9)
+
+
 def _same_radii(order: Ints, mean: Floats, is_hole: npt.NDArray[np.bool_]) -> Iterator[Ints]:
     """Facets of one radius each, of pins and of holes: an oval has many. order: by that, and by radius."""
     for side in np.split(order, np.flatnonzero(np.diff(is_hole[order])) + 1) if len(order) else []:
         radii, start = mean[side], 0
         while start < len(side):
-            end = int(np.searchsorted(radii, radii[start] * (1.0 + _SAME) + _GRID_M, "right"))
+            end = int(np.searchsorted(radii, radii[start] + _slack(radii[start]), "right"))
             yield side[start:end]
             start = end
 
