@@ -33,7 +33,7 @@ TURN_MS = 2000  # after which this script, which set the scene, has let go of th
 SETTINGS = '{"has_seen_tour": true, "has_first_run": false, "is_muted": true}'
 
 PUMP, STARTER, COVER = "gearbox/oil_pump", "gearbox/starter", "gearbox/covers/main_front"
-UNION_NUT = "gearbox/lines/vent_hose/union_nut_1"
+UNION_NUT = "gearbox/lines/return_hose/union_nut_1"
 AT_NUT = ((0.115, -0.21, 0.29), (0.195, -0.045, 0.13))
 AT_TOP = ((-0.15, -0.42, 0.46), (0.03, -0.03, 0.12))
 AT_BOLT = np.array([-0.3096, -0.5688, 1.0505])  # by the head of bolt_002 of a pump's flange of the engine

@@ -273,12 +273,16 @@ def accessory(
     return body
 
 
+PUMP_TAPPED = 10.5
+"""Depth of the holes of the end cover's screws."""
+
+
 def oil_pump(shop: Workshop) -> Floats:
     """The oil pump on its studs, with an end cover; returns the frame of its outlet."""
     asm, cut, s = shop.asm, shop.cut, shop.plan.station("oil_pump")
     group = "oil_pump"
     screws = [(13.8 * np.cos(a), 13.8 * np.sin(a)) for a in np.arange(5) * (2.0 * np.pi / 5.0) + 0.4]
-    blinds = tuple((float(x), float(y), tapped(cut, 4, 8.0)) for x, y in screws)
+    blinds = tuple((float(x), float(y), tapped(cut, 4, PUMP_TAPPED)) for x, y in screws)
     up = ((19.2, 10.0), (18.4, 11.0), (18.4, 22.0), (17.0, 23.0), (17.0, 26.0), (18.4, 27.0), (18.4, 45.0))
     body = accessory(shop, s, REAR, group, "painted aluminium", up, blinds, studs=True)
     face = times(shop.pad(s, REAR), at(z=GASKET + 45.0))
@@ -307,7 +311,7 @@ def oil_pump(shop: Workshop) -> Floats:
             [cover],
             body,
             7.0,
-            8.0,
+            PUMP_TAPPED,
             head="screw",
             washer=False,
         )
@@ -449,7 +453,7 @@ def filter_bowl(cut: Cut) -> Solid:
     )
     hexagon_low, hexagon_high = standard.hex_prism(solid, cut, 27.0, 122.0, 130.0, chamfers="high")
     inner, floor = solid.turned(
-        [(14.9, 20.0), (14.9, 47.0), (24.5, 52.0), *([] if cut.plain else [(24.5, 114.0)]), (20.0, 118.0)],
+        [(14.0, 20.0), (14.0, 47.0), (24.5, 52.0), *([] if cut.plain else [(24.5, 114.0)]), (20.0, 118.0)],
         cut.circle(24.5),
     )
     solid.wall(shoulder, lug_low) if len(shoulder) == len(lug_low) else solid.face(lug_low, shoulder)
@@ -494,7 +498,7 @@ def oil_filter(shop: Workshop) -> None:
     ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, times(pose, at(z=25.2)), bowl, head)
     element = asm.add(
         f"{group}/element", "filter paper", standard.ring_of,
-        ((7.0, 26.0), (13.8, 26.0), (13.8, 118.0), (7.0, 118.0)), 13.8, pose=pose,
+        ((7.0, 26.0), (13.4, 26.0), (13.4, 118.0), (7.0, 118.0)), 13.4, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
     asm.keep(bowl, "captive", element)

@@ -52,10 +52,10 @@ def build(cut: Cut, seed: int) -> Assembly:
     faces = {name: times(shop.pad(plan.station(name), REAR), at(z=13.0)) for name in ("main", "idler", "breather")}
     lines.line(
         shop,
-        "lines/vent_hose",
+        "lines/return_hose",
         "rubber",
         [(faces["breather"], covers["breather_rear"], "straight"), (faces["idler"], covers["idler_rear"], "straight")],
-        lines.vent_level(faces["breather"], faces["idler"], outlet),
+        lines.return_level(faces["breather"], faces["idler"], outlet),
         kind="hose",
         after=["lines/pressure_pipe/pipe"],
     )

@@ -96,7 +96,7 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.flush(plug, path, cover)
     asm.block("blocked_bolt", bolt)
     asm.stop_tool(bolt)
-    asm.keep(plug, "head", path)
+    next(f for f in asm.fasteners if f.path == plug).holds.append(path)
     asm.step(path, pull(face[:3, 2], AWAY), after=[plug])
     asm.wait(cover, path)
     top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
@@ -154,6 +154,7 @@ def _duplicate(asm: Assembly) -> Planted:
             step.parts.append(copy)
     for _, _, held in asm.keepers:
         held += [copy] * (path in held)
+    asm.fasteners += [replace(f, path=copy, holds=list(f.holds)) for f in asm.fasteners if f.path == path]
     return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice, 0 mm apart")
 
 

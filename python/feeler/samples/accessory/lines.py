@@ -167,14 +167,14 @@ def line(
     return pipe, corners[1], corners[2]
 
 
-def vent_level(begin: Floats, end: Floats, outlet: Floats) -> float:
-    """The height of the vent hose's run between two ports: above the nut on the oil pump's outlet where it would pass
+def return_level(begin: Floats, end: Floats, outlet: Floats) -> float:
+    """The height of the return hose's run between two ports: above the nut on the oil pump's outlet where it would pass
     that by less than `APART`."""
     a, b, at_nut = begin[:2, 3], end[:2, 3], outlet[:2, 3]
     along = (b - a) / np.linalg.norm(b - a)
     offset = at_nut - a
     beside = abs(along[0] * offset[1] - along[1] * offset[0])
-    return VENT_LEVEL if beside >= NUT_CORNER + PIPE + APART else VENT_ABOVE
+    return RETURN_LEVEL if beside >= NUT_CORNER + PIPE + APART else RETURN_ABOVE
 
 
 def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: str) -> list[str]:
@@ -215,7 +215,7 @@ NUT_CORNER = 17.0 / math.sqrt(3.0)
 """Half the width of union nuts across their corners."""
 APART = 5.3
 """How far pipes and hoses are from what they do not fit, chords included."""
-VENT_LEVEL, VENT_ABOVE = 178.0, 207.0
+RETURN_LEVEL, RETURN_ABOVE = 178.0, 207.0
 OIL_LEVEL = 172.0
 
 
@@ -241,13 +241,13 @@ def oil_run(plan: Layout, filter_port: Vector) -> tuple[Floats, Floats, Floats]:
 def post_hole(plan: Layout, cut: Cut, filter_port: Vector) -> FaceHole:
     """The hole of the clip's post in the rear case."""
     x, y, _ = oil_run(plan, filter_port)[2].tolist()
-    return FaceHole(x, y, (*tapped(cut, 5, 6.0)[:-1], (0.0, 6.8)), True)
+    return FaceHole(x, y, (*tapped(cut, 4, 6.0)[:-1], (0.0, 6.8)), True)
 
 
 def post(cut: Cut, length: float) -> Solid:
-    """A hexagon post on z = 0 with a thread M5 below and a tapped hole M5 in its end."""
+    """A hexagon post on z = 0 with a thread M4 below and a tapped hole M5 in its end."""
     solid = Solid()
-    end, neck = solid.turned(cut.sharp([(2.1, -5.0), (2.5, -4.5), (2.5, 0.0)]), cut.circle(2.5, 6))
+    end, neck = solid.turned(cut.sharp([(1.6, -5.5), (2.0, -5.1), (2.0, 0.0)]), cut.circle(2.0, 6))
     low, high = hex_prism(solid, cut, 10.0, 0.0, length, chamfers="high")
     rows = tapped(cut, 5, 10.0)
     mouth, _ = solid.turned([(r, length - d) for r, d in rows], cut.circle(rows[0][0], 6))
@@ -265,7 +265,8 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
     base = frame((foot[0], foot[1], REAR.z(REAR.outer)), (0.0, 0.0, 1.0))
     length = OIL_LEVEL - 1.25 - REAR.z(REAR.outer)
     stand = asm.add("lines/oil_pipe/post", "zinc-plated steel", post, length, pose=base, spin=True)
-    asm.fit(stand, rear, "thread as cylinders", -0.4, 2.1)
+    thread = METRIC[4]
+    asm.fit(stand, rear, "thread as cylinders", -(thread.size - thread.core) / 2.0, thread.core / 2.0)
     asm.flush(stand, rear)
     asm.keep(rear, "thread", stand)
     outline = loop_outline(cut, 6.0, CLIP_ASIDE + 7.0, -1.25, 1.25)
@@ -290,7 +291,7 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
     top = frame((foot[0], foot[1], OIL_LEVEL + 1.25), (0.0, 0.0, 1.0))
     bolts = shop.bolt("lines/oil_pipe", "clip_bolt", 5, top, [clip], stand, 2.5, 10.0)
     asm.fasteners[-1].holds.append(pipe)
-    asm.step(stand, screw((0.0, 0.0, 1.0), foot, 6.0, 0.8), pull((0.0, 0.0, 1.0), AWAY), after=[pipe])
+    asm.step(stand, screw((0.0, 0.0, 1.0), foot, 6.0, thread.pitch), pull((0.0, 0.0, 1.0), AWAY), after=[pipe])
     for step in asm.steps:
         if pipe in step.parts:
             step.parts.append(clip)
