@@ -454,7 +454,7 @@ def filter_bowl(cut: Cut) -> Solid:
     hexagon_low, hexagon_high = standard.hex_prism(solid, cut, 27.0, 122.0, 130.0, chamfers="high")
     inner, floor = solid.turned(
         [(14.0, 20.0), (14.0, 47.0), (24.5, 52.0), *([] if cut.plain else [(24.5, 114.0)]), (20.0, 118.0)],
-        cut.circle(24.5),
+        cut.arc(24.5, 2.0 * np.pi, 12),
     )
     solid.wall(shoulder, lug_low) if len(shoulder) == len(lug_low) else solid.face(lug_low, shoulder)
     solid.face(lug_high, under)

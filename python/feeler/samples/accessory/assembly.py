@@ -308,12 +308,13 @@ class Assembly:
                 continue
             head, tool, height = size
             leg, start = step.legs[-1], part.pose[:3, 3]
+            drawn = sum(times(each.axis, leg.axis) * each.distance for each in step.legs)
             for path, points, radius in paths:
                 off = points - start
                 along = times(off, leg.axis)
                 beside = np.sqrt(((off - along[:, None] * leg.axis) ** 2).sum(axis=1))
                 room = np.where(along < SOCKET_MM, tool, head)
-                is_level = (along > -radius) & (along < leg.distance + height + radius)
+                is_level = (along > -radius) & (along < drawn + height + radius)
                 if path not in step.after and (is_level & (beside < radius + room)).any():
                     step.after.append(path)
 
