@@ -47,6 +47,8 @@ STEP_M = 2.5e-3
 """Between the poses at which a way is sampled."""
 EASE_MM = 0.12
 """By how much holes are widened when paths are checked, so that facets and presses do not count."""
+LEAST_MM3 = 1e-9
+"""A shared volume that flush faces may have by rounding, mm3."""
 FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
 FINE_MM = 0.002
@@ -137,7 +139,7 @@ def shared_volumes(drawn: Drawn) -> dict[tuple[str, str], float]:
     out = {}
     for a, b in near_pairs(drawn.meshes, 0.0):
         shared = (solids[a] ^ solids[b]).volume()
-        if shared > 0.0:
+        if shared > LEAST_MM3:
             out[a, b] = shared
     return out
 

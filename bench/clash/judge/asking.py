@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -149,11 +150,12 @@ def judged(group: Group, pair: Pair, answer: Answer, rounding: float) -> Judged 
     is_outside = False
     relative = None
     if answer.verdict not in ("none", "clearance") and not is_wrong:
+        error = 0.0 if math.isnan(answer.error) else answer.error
+        top = answer.depth + error
         is_outside = answer.kind != ("estimate" if facts.is_open else "measured")
+        is_outside |= not (answer.depth <= facts.high + rounding and facts.low - rounding <= top)
+        is_outside |= error > max(LEAST_ERROR_M, RELATIVE_ERROR * answer.depth) * (1 + 1e-9)
         if not facts.is_open:
-            top = answer.depth + answer.error
-            is_outside |= not (answer.depth <= facts.high + rounding and facts.low - rounding <= top)
-            is_outside |= answer.error > max(LEAST_ERROR_M, RELATIVE_ERROR * answer.depth) * (1 + 1e-9)
             if facts.low > LEAST_ERROR_M / RELATIVE_ERROR:
                 relative = (
                     max(0.0, facts.low - rounding - answer.depth, answer.depth - facts.high - rounding) / facts.low

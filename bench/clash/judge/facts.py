@@ -47,6 +47,10 @@ def wanted(facts: Facts, contact: float | None, clearance: float, rounding: floa
         return None
     if facts.is_same:
         return frozenset({"duplicate"})
+    if facts.is_open and 0 < facts.high <= least and contact is not None:
+        return frozenset({"contact"})  # also inside: a sheet that is nowhere deeper than `contact`
+    if facts.is_open and facts.low <= least < facts.high:
+        return None
     if facts.is_inside:
         # If the surfaces touch, rounding may move a face to the outside.
         return frozenset({"contained", "clash"} if rounding and facts.is_touching else {"contained"})

@@ -48,7 +48,7 @@ STEPS = (1, 1_074, 107_374, 1_073_742)
 """Small offsets of faces that are nearly flush: a nanometre, a micrometre, 0.1 and 1 mm."""
 MOST_TRIANGLES = 60_000
 CLEARANCE_M = 0.002
-CLASH, CONTACT = frozenset({"clash"}), frozenset({"contact"})
+CLASH, CONTACT, CONTAINED = frozenset({"clash"}), frozenset({"contact"}), frozenset({"contained"})
 
 
 def _whole_dress(rng: Random) -> tuple[Floats, Floats, float, bool]:
@@ -356,40 +356,124 @@ def copies(rng: Random) -> Groups:
         yield Group("copies, cut otherwise", (_worn(rng, a), _worn(rng, b)), {(0, 1): facts}, *_dress(rng))
 
 
+SHEET_CONTACTS = (None, None, 1.5e-6, 1.5e-4, 1.2e-3)
+"""Values of `contact` for open sheets, metres: between the small offsets."""
+
+
+def _sheet_depth(start: Floats, ends: Floats, low: Floats, high: Floats) -> float:
+    """The farthest that a point of a rectangle lies inside a box, both with the edges of the axes; units."""
+    middle = np.clip((low + high) / 2, start, ends)
+    return float(np.minimum(middle - low, high - middle).min())
+
+
 def sheets(rng: Random) -> Groups:
-    """Rectangles without thickness through, on and in a box. Expects a verdict, and a depth that is an estimate."""
+    """Rectangles without thickness through, on and in a box, at several values of `contact`. Closed form."""
     while True:
         low, high = np.zeros(3), rng.integers(2, 5, 3) * float(4 * CELL)
         start = rng.integers(-1, 4, 3) * float(4 * CELL) + _misses(rng)
-        end = start[:2] + rng.integers(1, 5, 2) * float(4 * CELL)
-        ends = np.array([*end, start[2]])
-        apart = np.maximum(np.maximum(low - ends, start - high), 0)
-        gap = float(np.linalg.norm(apart))
-        is_in = (start > low) & (start < high)
-        crosses = bool(is_in[2] and (np.minimum(ends, high) > np.maximum(start, low))[:2].all())
-        is_inside = crosses and bool((start >= low).all() and (ends <= high).all())
+        ends = np.array([*(start[:2] + rng.integers(1, 5, 2) * float(4 * CELL)), start[2]])
+        gap = float(np.linalg.norm(np.maximum(np.maximum(low - ends, start - high), 0)))
+        depth = max(_sheet_depth(start, ends, low, high), 0.0)
+        is_inside = depth > 0 and bool((start >= low).all() and (ends <= high).all())
         is_touching = bool((start[:2] == 0).any() or (ends == high)[:2].any()) or not is_inside
-        most = float(high.max()) if crosses else 0.0
-        facts = Facts(UNIT_M if crosses else 0.0, most, gap, False, is_inside, is_touching, 0.0, True)
+        facts = Facts(depth, depth, gap, False, is_inside, is_touching, 0.0, True)
         turn, place, scale, is_rounded = _whole_dress(rng)
-        plate = sheet(list(start[:2]), list(end), float(start[2]))
+        plate = sheet(list(start[:2]), list(ends[:2]), float(start[2]))
         a = (plate[0][:, [2, 0, 1]], plate[1])
         b = box(np.roll(low, 1), np.roll(high, 1)).mesh()
-        if crosses and not is_inside:
+        if depth > 0 and not is_inside:
             # After a rotation, an overlap of a nanometre would depend on rounding.
             out = np.concatenate([(ends - low)[:2], (high - start)[:2], start[2:] - low[2:], high[2:] - start[2:]])
             if is_rounded and out.min() < STEPS[1]:
                 continue
+        contact = SHEET_CONTACTS[int(rng.integers(len(SHEET_CONTACTS)))]
         yield Group(
-            "open sheets",
+            "open sheets in boxes",
             (_worn(rng, a), _worn(rng, b)),
             {(0, 1): facts.scaled(UNIT_M * scale)},
             turn,
             place,
             UNIT_M,
             is_rounded,
-            None,
+            None if contact is None else contact * scale,
             CLEARANCE_M,
+        )
+
+
+SAMPLED = 0.01
+"""The share by which the depth of two open parts, taken at points where they cross, may be too small."""
+
+
+def crossing_sheets(rng: Random) -> Groups:
+    """Two rectangles without thickness at right angles: through, on or beside each other. Closed form.
+
+    Along the segment in which they cross, the depth is the least of four lengths: how far each goes on behind the other
+    on its shorter side, and how far it is to both ends of the segment.
+    """
+    while True:
+        # One is in the plane z = 0, the other in x = 0; y is along the segment.
+        ends = rng.integers(0, 4, 8) * float(2 * CELL) + np.concatenate([_misses(rng) for _ in range(3)])[:8]
+        (left, right), (down, up) = (-ends[0], ends[1]), (-ends[2], ends[3])
+        if right - left < CELL or up - down < CELL:
+            continue
+        spans = [(ends[4], ends[4] + float(4 * CELL)), (ends[5], ends[5] + float(6 * CELL))]
+        along = min(spans[0][1], spans[1][1]) - max(spans[0][0], spans[1][0])
+        reach = np.array([-left, right, -down, up])
+        gap = float(np.linalg.norm([max(-along, 0.0), *(max(-min(reach[k : k + 2]), 0.0) for k in (0, 2))]))
+        depth = max(min(float(reach.min()), along / 2), 0.0)
+        turn, place, scale, is_rounded = _whole_dress(rng)
+        if is_rounded and 0 < depth < STEPS[1]:
+            continue
+        one = sheet([left, spans[0][0]], [right, spans[0][1]], 0.0)
+        flat_other = sheet([spans[1][0], down], [spans[1][1], up], 0.0)
+        other = (flat_other[0][:, [2, 0, 1]], flat_other[1])
+        contact = SHEET_CONTACTS[int(rng.integers(len(SHEET_CONTACTS)))]
+        yield Group(
+            "two open sheets",
+            (_worn(rng, one), _worn(rng, other)),
+            {(0, 1): Facts(depth * (1 - SAMPLED), depth, gap, is_open=True).scaled(UNIT_M * scale)},
+            turn,
+            place,
+            UNIT_M,
+            is_rounded,
+            None if contact is None else contact * scale,
+            CLEARANCE_M,
+        )
+
+
+WALL_CONTACT_M, AWAY_FROM_LIMIT = 5e-4, 0.03
+
+
+def walls(rng: Random) -> Groups:
+    """Thin walls side by side that share a part of their thickness, at a `contact` that their depth does not exceed.
+
+    They clash if they share more than `contact`; foils thinner than that are in contact. Nearer than 3 % to the limits
+    of that rule no pair is drawn.
+    """
+    while True:
+        thick = WALL_CONTACT_M * float(rng.uniform(0.3, 1.9))
+        shared = thick if rng.random() < 0.2 else thick * float(rng.uniform(0.05, 1.0))
+        if abs(shared / WALL_CONTACT_M - 1) < AWAY_FROM_LIMIT or abs(thick / WALL_CONTACT_M - 1) < AWAY_FROM_LIMIT:
+            continue
+        sizes = rng.uniform(0.05, 0.2, (2, 2))
+        aside = rng.uniform(0.1, 0.6, 2) * sizes.min(axis=0) * rng.choice([-1, 1], 2)
+        if rng.random() < 0.1 and shared < thick:
+            sizes[1], aside = sizes[0], np.zeros(2)  # one over the other, with all edges in line
+        a = box([0, 0, 0], [*sizes[0], thick])
+        b = box([*aside, thick - shared], [*(aside + sizes[1]), 2 * thick - shared])
+        depth = flat.deepest_of_convex(a, b)
+        right = CLASH if shared > WALL_CONTACT_M else CONTACT
+        ends = aside + sizes[1]
+        is_in = ((aside > 0) & (ends < sizes[0])).all() or ((aside < 0) & (ends > sizes[0])).all()
+        if shared == thick and is_in:
+            right |= CONTAINED  # flush with both faces of the other; rounding may move it out of one
+        yield Group(
+            "walls side by side",
+            (_worn(rng, a.mesh()), _worn(rng, b.mesh())),
+            {(0, 1): Facts(depth * (1 - 1e-9), depth * (1 + 1e-9))},
+            *_dress(rng),
+            contact=WALL_CONTACT_M,
+            right={(0, 1): right},
         )
 
 
@@ -463,7 +547,9 @@ KINDS: dict[str, tuple[Maker, int]] = {
     "solids": (solids, 1200),
     "pins": (pins, 1200),
     "copies": (copies, 600),
-    "sheets": (sheets, 500),
+    "sheets": (sheets, 1000),
+    "crossing_sheets": (crossing_sheets, 1000),
+    "walls": (walls, 400),
     "foils": (foils, 240),
     "webs": (webs, 120),
 }

@@ -457,6 +457,10 @@ pub const MOST_CROSSING_POINTS: usize = 512;
 /// Most triangles that a walk over an open surface goes through.
 pub const MOST_CROSSING_STEPS: usize = 4096;
 
+/// How many roundings beyond each other the edges of walls have to go to cross: flush faces of parts that are turned and far from the origin
+/// differ by several.
+pub const FLUSH_ROUNDINGS: f64 = 4.0;
+
 /// Share of the depth of a point in the middle of a wall by which walls side by side are looked at farther in; below 1. Larger: two walls
 /// have to overlap farther.
 pub const SIDE_STEP: f64 = 0.5;

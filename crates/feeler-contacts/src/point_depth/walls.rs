@@ -6,7 +6,7 @@ use feeler_core::{Aabb, Point, Triangle};
 use super::body::{distance_to, Body};
 use super::depth::{point_depth_from, PointDepth};
 use crate::constants::{
-    NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE,
+    FLUSH_ROUNDINGS, NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE,
 };
 
 /// Whether two bodies clash as thin walls, although no point of either is deeper than `contact` (metres) in the other: they cross, or
@@ -14,14 +14,15 @@ use crate::constants::{
 pub fn are_walls_clashing([a, b]: [&Body; 2], contact: f64) -> bool {
     let deepest = [point_depth_from([a, b]), point_depth_from([b, a])];
     are_crossing([a, b], contact, &deepest)
-        || (is_side_by_side(a, b, contact, &deepest[0]) && is_side_by_side(b, a, contact, &deepest[1]))
+        || is_side_by_side(a, b, contact, &deepest[0])
+        || is_side_by_side(b, a, contact, &deepest[1])
 }
 
 /// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and points of each lie
 /// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. Thin walls are
 /// thinner than twice `contact` (metres).
 fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> bool {
-    let least = a.rounding().max(b.rounding());
+    let least = FLUSH_ROUNDINGS * a.rounding().max(b.rounding());
     // How thick a wall may be for the points found to be in its middle.
     let thickness = [1, 0].map(|i: usize| 2.0 * (deepest[i].depth / WALL_MIDDLE).min(contact + least));
     if thickness.iter().any(|thickness| *thickness <= 4.0 * least) {
@@ -48,32 +49,31 @@ fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> 
     })
 }
 
-/// Whether two bodies share more than `contact` (metres) of the thickness of a wall, by the deepest point of the one: it lies in the middle
-/// between two faces of the other, the wall. Of walls side by side the surfaces need not cross.
+/// Whether two walls share more than `contact` (metres) of their thickness, by the deepest point of the one: across the nearest faces of the
+/// other, the wall, both are walls there. The surfaces of walls side by side need not cross, nor reach the other's middle.
 fn is_side_by_side(own: &Body, wall: &Body, contact: f64, found: &PointDepth) -> bool {
     let Some([deepest, _]) = found.points else { return false };
-    // A wall that is thinner is shared by less, too.
-    if 2.0 * found.depth < WALL_MIDDLE * contact {
+    let least = own.rounding().max(wall.rounding());
+    if found.depth <= FLUSH_ROUNDINGS * least {
         return false;
     }
-    let reach = found.depth / WALL_MIDDLE;
+    let thickest = 2.0 * (contact + least);
     let shares_thickness = |across: &Point| {
         let Some(inward) = inward_along(own, &sub(&deepest, own.origin()), across) else { return false };
         // As far into the one body as the deepest point is surely inside the other.
         let p = along(&deepest, SIDE_STEP * found.depth, &inward);
         let far = |sign: f64| {
-            let end = along(&p, 2.0 * sign * reach, across);
+            let end = along(&p, sign * thickest, across);
             [own, wall].map(|body| nearest_face([&sub(&p, body.origin()), &sub(&end, body.origin())], body))
         };
         let ways = [far(1.0), far(-1.0)];
-        let thickness = ways[0][1] + ways[1][1];
+        let are_walls = [0, 1].iter().all(|body: &usize| ways[0][*body] + ways[1][*body] <= thickest);
         let shared = ways.iter().map(|[of_own, of_wall]| of_own.min(*of_wall)).sum::<f64>();
         let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
-        let most = 2.0 * reach.min(contact + own.rounding().max(wall.rounding()));
-        thickness <= most && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
+        are_walls && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
     };
     // The rim of the wall may be as near as its faces.
-    normals_near(wall, &sub(&deepest, wall.origin()), reach).iter().any(shares_thickness)
+    normals_near(wall, &sub(&deepest, wall.origin()), found.depth / WALL_MIDDLE).iter().any(shares_thickness)
 }
 
 /// The outward normals of the faces of a body within a distance of a point, each once.
@@ -88,13 +88,13 @@ fn normals_near(body: &Body, p: &Point, within: f64) -> Vec<Point> {
     found
 }
 
-/// The direction into a body across a normal, from a point of its surface; `None` where the surface there runs across the normal itself.
+/// The direction into a body from a point of its surface: level with a normal, but where the surface there runs across the normal itself.
 fn inward_along(body: &Body, at: &Point, normal: &Point) -> Option<Point> {
     let within = 4.0 * body.rounding() + 1e-9 * body.bounds().longest();
     let faces = normals_near(body, at, within);
     let sum = faces.iter().fold([0.0; 3], |sum, n| sub(&sum, n));
     let level = along(&sum, -dot(&sum, normal), normal);
-    (length(&level) > 0.1 * length(&sum)).then(|| unit(&level)).flatten()
+    unit(if length(&level) > 0.1 * length(&sum) { &level } else { &sum })
 }
 
 /// How far along a segment the first face of a body is that it goes through; infinite if there is none.
@@ -336,6 +336,19 @@ mod tests {
                 assert_eq!(is_crossing, is_clash, "{low:?} {high:?} {shift} {thick}");
             }
         }
+        // All edges in line: no point of either surface is in the middle of the other.
+        for (shift, thick, is_clash) in [(0.1, 1.9, true), (0.7, 1.8, true), (0.9, 1.8, false), (0.1, 0.9, false)] {
+            let [low, high] = [0.0, shift].map(|shift| sheet([0.0; 2], [100.0; 2], shift, thick));
+            assert_eq!(are_crossing(low, high), is_clash, "{shift} {thick}");
+        }
+        // The smaller one beside the edges of the larger one: no point of this one's surface is in the middle of the other.
+        for (shift, thick, is_clash) in [(0.1, 1.9, true), (0.5, 1.8, true), (0.75, 1.8, true), (0.9, 1.8, false)] {
+            let [large, small] = [sheet([0.0; 2], [100.0; 2], 0.0, thick), sheet([20.0; 2], [70.0; 2], shift, thick)];
+            assert_eq!(are_crossing(large, small), is_clash, "{shift} {thick}");
+        }
+        // A thin wall and a thick one.
+        let [thin, thick] = [sheet([0.0; 2], [100.0; 2], 0.0, 1.9), sheet([20.0; 2], [70.0; 2], 0.5, 2.1)];
+        assert!(!are_crossing(thin, thick));
         // Less than a contact deep from the edge.
         let less = sheet([99.2, 0.0], [200.0, 100.0], 0.0, 1.9);
         assert!(!are_crossing(sheet([0.0; 2], [100.0; 2], 0.0, 1.9), less));

@@ -22,7 +22,7 @@ BEND = 16.0
 THREAD, CORE = PORT_THREAD, PORT_CORE
 NOSE, NUT_CORE = 7.0, 6.25
 NOSE_END = 18.0
-COLLAR = 5.0
+COLLAR, COLLAR_RADIUS = 5.0, 5.6
 NUT_LOW, NUT_HIGH = 9.5, 30.0
 UNSCREWED = 10.0
 """How far a union nut goes back: off its thread, and not into the pipe's bend."""
@@ -67,7 +67,7 @@ def elbow(cut: Cut, reach: float) -> Solid:
 
     up, out = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     spigot = THREAD + deviation("g6", 2.0 * THREAD) / 2.0
-    ends = [(spigot - 0.6, -9.0), (spigot, -8.0), (spigot, 0.0), (8.5, 0.0), (8.5, ELBOW_COLLAR), (5.6, ELBOW_COLLAR)]
+    ends = [(spigot - 0.6, -9.0), (spigot, -8.0), (spigot, 0.0), (8.5, 0.0), (8.5, ELBOW_COLLAR), (COLLAR_RADIUS, ELBOW_COLLAR)]
     for radius, z in cut.sharp(ends):
         ring(np.array([0.0, 0.0, z]), up, radius)
     for point, way in zip(path.points[1:-1], path.tangents[1:-1], strict=True):
@@ -157,10 +157,11 @@ def line(
     a, b = ends
     corners = (a, np.array([a[0], a[1], level]), np.array([b[0], b[1], level]), b)
     asm.lines.append((f"{group}/{kind}", np.array(corners), PIPE, BEND))
-    rows: tuple[Row, ...] = ((5.6, 0.0), (5.6, COLLAR), (PIPE, COLLAR))
+    rows: tuple[Row, ...] = ((COLLAR_RADIUS, 0.0), (COLLAR_RADIUS, COLLAR), (PIPE, COLLAR))
     pipe = asm.add(f"{group}/{kind}", material, swept, tuple(tuple(map(float, c)) for c in corners), BEND, rows, bore)
     for k, nut in enumerate(nuts):
         asm.fit(nut, pipe, "clearance", 0.4, PIPE + 0.4)
+        asm.fit(nut, pipe, "clearance", NUT_CORE - COLLAR_RADIUS, NUT_CORE)
         asm.flush(nut, pipe, f"{group}/adapter_{k + 1}")
         asm.step(nut, screw(z, ends[k], UNSCREWED, 1.5), door_open=ports[k][2] == "elbow", removes=False)
     asm.step([pipe, *nuts], pull(z, 1.5 * AWAY), after=after)
