@@ -453,7 +453,7 @@ def filter_bowl(cut: Cut) -> Solid:
     )
     hexagon_low, hexagon_high = standard.hex_prism(solid, cut, 27.0, 122.0, 130.0, chamfers="high")
     inner, floor = solid.turned(
-        [(14.0, 20.0), (14.0, 47.0), (24.5, 52.0), *([] if cut.plain else [(24.5, 114.0)]), (20.0, 118.0)],
+        [(14.0, 20.0), (14.0, 50.0), (24.5, 55.0), *([] if cut.plain else [(24.5, 114.0)]), (20.0, 118.0)],
         cut.arc(24.5, 2.0 * np.pi, 12),
     )
     solid.wall(shoulder, lug_low) if len(shoulder) == len(lug_low) else solid.face(lug_low, shoulder)
@@ -498,7 +498,7 @@ def oil_filter(shop: Workshop) -> None:
     ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, times(pose, at(z=25.2)), bowl, head)
     element = asm.add(
         f"{group}/element", "filter paper", standard.ring_of,
-        ((7.0, 26.0), (13.4, 26.0), (13.4, 118.0), (7.0, 118.0)), 13.4, pose=pose,
+        ((7.0, 18.3), (13.4, 18.3), (13.4, 118.0), (7.0, 118.0)), 13.4, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
     asm.keep(bowl, "captive", element)
