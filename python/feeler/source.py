@@ -11,7 +11,8 @@ class Source:
 
     up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those notes that put results in doubt:
     skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
-    unknown.
+    unknown. rounding: how far coordinates may be from those that were meant, metres, since files have so many digits; 0
+    for double precision and arrays.
     """
 
     files: tuple[str, ...] = ()
@@ -23,3 +24,4 @@ class Source:
     up: str | None = None
     doubts: tuple[str, ...] = ()
     chord_tolerance: float | None = None
+    rounding: float = 0.0

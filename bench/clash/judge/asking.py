@@ -155,11 +155,8 @@ def judged(group: Group, pair: Pair, answer: Answer, rounding: float) -> Judged 
         is_outside = answer.kind != ("estimate" if facts.is_open else "measured")
         is_outside |= not (answer.depth <= facts.high + rounding and facts.low - rounding <= top)
         is_outside |= error > max(LEAST_ERROR_M, RELATIVE_ERROR * answer.depth) * (1 + 1e-9)
-        if not facts.is_open:
-            if facts.low > LEAST_ERROR_M / RELATIVE_ERROR:
-                relative = (
-                    max(0.0, facts.low - rounding - answer.depth, answer.depth - facts.high - rounding) / facts.low
-                )
+        if not facts.is_open and facts.low > LEAST_ERROR_M / RELATIVE_ERROR:
+            relative = max(0.0, facts.low - rounding - answer.depth, answer.depth - facts.high - rounding) / facts.low
     says = "" if not (is_wrong or is_outside) else _report(group, pair, answer, right)
     return Judged(group.kind, facts.gap == 0, is_wrong, is_outside, relative, says)
 

@@ -362,14 +362,15 @@ SHEET_CONTACTS = (None, None, 1.5e-6, 1.5e-4, 1.2e-3)
 
 def _sheet_depth(start: Floats, ends: Floats, low: Floats, high: Floats) -> float:
     """The farthest that a point of a rectangle lies inside a box, both with the edges of the axes; units."""
-    middle = np.clip((low + high) / 2, start, ends)
+    middle = np.clip(0.5 * (low + high), start, ends)
     return float(np.minimum(middle - low, high - middle).min())
 
 
 def sheets(rng: Random) -> Groups:
     """Rectangles without thickness through, on and in a box, at several values of `contact`. Closed form."""
     while True:
-        low, high = np.zeros(3), rng.integers(2, 5, 3) * float(4 * CELL)
+        low: Floats = np.zeros(3)
+        high = rng.integers(2, 5, 3).astype(float) * (4 * CELL)
         start = rng.integers(-1, 4, 3) * float(4 * CELL) + _misses(rng)
         ends = np.array([*(start[:2] + rng.integers(1, 5, 2) * float(4 * CELL)), start[2]])
         gap = float(np.linalg.norm(np.maximum(np.maximum(low - ends, start - high), 0)))

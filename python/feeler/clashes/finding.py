@@ -14,7 +14,7 @@ from feeler import _core
 from feeler.arguments import check_flag, check_length, check_progress, check_threads
 from feeler.choices import Chord
 from feeler.clashes.fastener_rule import shape_of
-from feeler.clashes.limits import Limits, limits, only_with
+from feeler.clashes.limits import CONTACT_ROUNDINGS, Limits, limits, only_with
 from feeler.clashes.openness import open_holders
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike, is_chord, rules_from
@@ -61,8 +61,8 @@ def clash(
     """All pairs of parts that overlap, touch, contain each other, or are nearer than `clearance`; the worst first.
 
     - `clearance`: metres. 0 finds only parts that collide.
-    - `contact`: metres. Parts count as in contact up to this depth, and up to this gap. `"chord"`: the chordal errors
-      of both parts, which are known for STEP files.
+    - `contact`: metres. Parts count as in contact up to this depth, and up to this gap; at least by the
+      rounding of the coordinates. `"chord"`: the chordal errors of both parts, which are known for STEP files.
     - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form. Rules give pairs other limits, or hide
       them (`.hidden` counts these). `clearance` and `contact` hold for pairs that no rule names.
     - `ignore`: pairs of parts to skip, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or `(k, 2)`
@@ -123,6 +123,7 @@ def clash(
         hidden=hidden,
         present=int(np.count_nonzero(present)),
         rules=found.asked,
+        least_contact=_least_contact(mockup),
         open_parts=tuple(mockup.part_paths[part] for part in rims),
     )
     clashes = Clashes(
@@ -162,8 +163,21 @@ def _limits(
     pairs = _pairs(mockup, exclude)
     chord = mockup.source.chord_tolerance
     return limits(
-        rules_from(rules), mockup.parts, mockup.part_paths, clearance, contact, chord, pairs, shape_of(mockup)
+        rules_from(rules),
+        mockup.parts,
+        mockup.part_paths,
+        clearance,
+        contact,
+        chord,
+        pairs,
+        shape_of(mockup),
+        _least_contact(mockup),
     )
+
+
+def _least_contact(mockup: Mockup) -> float:
+    """The least `contact`, metres: as much as flush faces may overlap by the rounding of the file's coordinates."""
+    return CONTACT_ROUNDINGS * mockup.source.rounding
 
 
 def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:

@@ -67,6 +67,11 @@ class Limits:
         return found
 
 
+CONTACT_ROUNDINGS = 4.0
+"""How many roundings of the coordinates in a file `contact` is at least. Each corner of two parts may be off by the
+square root of 3 roundings, so flush faces may overlap by 3.5."""
+
+
 def limits(
     rules: Rules,
     parts: Parts,
@@ -76,9 +81,10 @@ def limits(
     chord: float | None,
     exclude: npt.NDArray[np.uint32],
     shaped: Shaped | None = None,
+    least_contact: float = 0.0,
 ) -> Limits:
     """Applies the rules to the parts. chord: the chordal error of the mock-up, metres, for `contact="chord"`. shaped:
-    finds parts with the shape of a fastener; None: names alone decide.
+    finds parts with the shape of a fastener; None: names alone decide. least_contact: the least `contact`, metres.
 
     Raises `OptionError` for patterns that match no part, with similar names; for "chord" if it is not known; and for
     rules that need more than `CLASS_LIMIT` classes of parts.
@@ -101,6 +107,7 @@ def limits(
     least = [contact if rule.contact is None else rule.contact for rule in every]
     doubled = _chord_of(least, chord, len(paths), of_classes, rules.where)
     touch = np.array([0.0 if isinstance(each, str) else each for each in least]) + doubled
+    touch = np.maximum(touch, least_contact)
     asked = of_classes >= 0
     return Limits(
         tuple(rule.name for rule in every),

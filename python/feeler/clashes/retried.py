@@ -106,7 +106,8 @@ def _limits(clashes: Table, rules: Rules, mockup: Mockup | None) -> tuple[Limits
             )
     shaped = None if mockup is None else shape_of(mockup)
     none = np.empty((0, 2), dtype=np.uint32)
-    return limits(rules, parts, paths, facts.clearance, 0.0, 0.0, none, shaped), notes
+    least_contact = facts.least_contact
+    return limits(rules, parts, paths, facts.clearance, 0.0, 0.0, none, shaped, least_contact), notes
 
 
 def _least_reach(clashes: Table) -> float:
@@ -124,7 +125,7 @@ def _asked(clashes: Table, rule: Rule) -> tuple[float, float]:
     contact = facts.contact if rule.contact is None else rule.contact
     if isinstance(contact, str):
         contact = _contacts(clashes).get(DEFAULT_RULE, np.nan) if facts.contact == contact else np.nan
-    return clearance, contact
+    return clearance, max(contact, facts.least_contact) if contact == contact else contact
 
 
 def _contacts(clashes: Table) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """Saves findings as JSON and loads them.
 
-    {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "parts": n, "triangles": n,
-     "files": [...], "partial": bool, "notes": [...], "clashes": [one a line], "earlier": [likewise],
+    {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "least_contact": m, "parts": n,
+     "triangles": n, "files": [...], "partial": bool, "notes": [...], "clashes": [one a line], "earlier": [likewise],
      "shapes": [a part a line], "earlier_shapes": [likewise]}
 
 A finding has the fields of `Clash`, with the keys of its parts instead of part numbers: a new part changes no other
@@ -46,6 +46,7 @@ def head(clashes: Table) -> dict[str, Any]:
         "version": VERSION,
         "clearance": facts.clearance,
         "contact": facts.contact,
+        "least_contact": facts.least_contact,
         "parts": facts.parts,
         "triangles": facts.triangles,
         "files": list(facts.files),
@@ -209,6 +210,7 @@ class _Reader(Generic[AnyTable]):
             hidden=_hidden(data.get("hidden") or {}),
             rules=tuple(_rule(each) for each in data.get("rules") or ()),
             notes=tuple(map(str, data.get("notes") or ())),
+            least_contact=_real(data.get("least_contact") or 0.0, "least_contact"),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"

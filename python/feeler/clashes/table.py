@@ -146,6 +146,8 @@ class Facts:
     mock-up. hidden: how many findings each rule hides, in the order in which rules are tried. present: how many parts
     were checked; None: all. open_parts: paths of open parts with another part in their box. notes: what the findings
     do not show, for users. rules: name, clearance and contact of each rule, metres; NaN: not known.
+    least_contact: the least that `contact` can be by the rounding of the coordinates in the file, metres; 0 for double
+    precision.
     """
 
     clearance: float = 0.0
@@ -160,6 +162,7 @@ class Facts:
     open_parts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     rules: tuple[tuple[str, float, float], ...] = ()
+    least_contact: float = 0.0
 
 
 _PLURALS = {

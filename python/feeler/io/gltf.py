@@ -55,6 +55,7 @@ def read_gltf(
     nodes: list[int] = []
     stated = _Attributes(document, tally)
     base = 0
+    roundings: list[tuple[float, NDArray[np.float64]]] = []
     for number, instance in enumerate(graph.instances):
         mesh = meshes.get(instance.shape) or reader.read(instance.shape, instance.name)
         if uses[instance.shape] > 1:
@@ -62,6 +63,7 @@ def read_gltf(
         if not len(mesh.faces):
             continue
         points, triangles = placer.place(instance, mesh)
+        roundings.append((mesh.rounding, instance.world[:3, :3]))
         vertices.append(points)
         faces.append(shift_indices(triangles, base, len(points)))
         base += len(points)
@@ -89,7 +91,19 @@ def read_gltf(
         colours=np.array(colours).reshape(-1, 3),
         attributes=stated.attributes(),
         nodes=nodes,
+        rounding=_placed_rounding(roundings),
     )
+
+
+def _placed_rounding(roundings: list[tuple[float, NDArray[np.float64]]]) -> float:
+    """The largest of the meshes' roundings, each as its matrix (3, 3) scales it."""
+    if not roundings:
+        return 0.0
+    with np.errstate(all="ignore"):
+        matrices = np.array([matrix for _, matrix in roundings])
+        scales = np.sqrt(np.square(matrices).sum(axis=1)).max(axis=1)
+        placed = np.array([rounding for rounding, _ in roundings]) * scales
+    return float(placed[np.isfinite(placed)].max(initial=0.0))
 
 
 class _Attributes(Stated):

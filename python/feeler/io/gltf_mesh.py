@@ -14,6 +14,7 @@ from feeler.io.gltf_draco import DRACO, Unpacked, unpack
 from feeler.io.gltf_nodes import Shape
 from feeler.io.placing import shift_indices
 from feeler.io.raw import seal_indices
+from feeler.io.rounding import single
 from feeler.io.tally import Tally
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
@@ -22,12 +23,16 @@ _MODES = {0: "points", 1: "lines", 2: "line loops", 3: "line strips"}
 
 @dataclass(eq=False)
 class Mesh:
-    """The triangles of one mesh, all its primitives together; joints and weights (n, k) if it has a skin."""
+    """The triangles of one mesh, all its primitives together; joints and weights (n, k) if it has a skin.
+
+    rounding: the largest error of a coordinate, metres.
+    """
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
     joints: NDArray[Any] | None = None
     weights: NDArray[Any] | None = None
+    rounding: float = 0.0
 
 
 class MeshReader:
@@ -100,6 +105,7 @@ class MeshReader:
             base += len(points)
         # A single primitive, the usual case, is not copied.
         mesh = Mesh(vertices[1], faces[1]) if len(faces) == 2 else Mesh(np.concatenate(vertices), np.concatenate(faces))
+        mesh.rounding = single(mesh.vertices)
         if shape.skin is not None and any(carried):
             mesh.joints, mesh.weights = _joined(carried, [len(points) for points in vertices[1:]])
         return mesh

@@ -23,6 +23,7 @@ from feeler.io.limits import check_mesh
 from feeler.io.plausible import LONGEST_M, size_note
 from feeler.io.raw import Axis, PathBook, RawMesh, joined_attributes, portion
 from feeler.io.readers import Watched, read
+from feeler.io.rounding import state_rounding
 from feeler.io.sniff import identify
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE, FINEST_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
@@ -212,6 +213,7 @@ class _Loaded:
     pieces: list[_Piece]
     up: Axis | None
     chord_tolerance: float | None = None
+    rounding: float = 0.0
     notes: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
 
@@ -238,6 +240,7 @@ class _Loaded:
             self.up,
             tuple(doubts),
             self.chord_tolerance,
+            self.rounding,
         )
 
     def _culprits(self, mesh: Mockup | Tool, length: float) -> str:
@@ -321,6 +324,7 @@ def _load(
             doubted.add(file, raw.doubts)
             if not len(raw.faces):
                 continue
+            state_rounding(raw, format_name)
             scale, source = _scale(raw, given, format_name)
             axes.align(raw, wanted)
             top = labels.claim_path(file.label)
@@ -343,7 +347,9 @@ def _load(
     # The chordal errors of other formats are unknown.
     is_step = all(piece.format == "STEP" for piece in pieces)
     tolerance = (DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else float(chord_tolerance)) if is_step else None
-    return _Loaded(_join(meshes), pieces, common, tolerance, notes, [*said.left_out(), *doubted.said(), *clash])
+    rounding = max(raw.rounding or 0.0 for raw in meshes)
+    doubts = [*said.left_out(), *doubted.said(), *clash]
+    return _Loaded(_join(meshes), pieces, common, tolerance, rounding, notes, doubts)
 
 
 @contextlib.contextmanager
@@ -398,6 +404,7 @@ def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, st
         factor = unit.metres
         source = f"assumed: {format_name} has no unit, and none was given"
     if factor != 1.0:
+        raw.rounding = (raw.rounding or 0.0) * factor
         with np.errstate(all="ignore"):  # the mock-up counts values outside the range of float64
             raw.vertices = np.multiply(raw.vertices, factor, out=raw.vertices if raw.vertices.flags.writeable else None)
     return unit, source

@@ -39,6 +39,7 @@ class RawMesh:
     up            the up axis by the format's standard or the file's statement, or None
     colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: no colours
     attributes    of each part its attributes; None: no part has any
+    rounding      the largest error of a coordinate, in the unit of `vertices`; None: the reader does not know it
     nodes         (parts,) of glTF: the node of each part, -1 for none; None: of other formats, and of several files
     doubts        like `notes`, but for what makes answers about the mesh doubtful: commands print them as warnings
     """
@@ -56,6 +57,7 @@ class RawMesh:
     doubts: list[str] = field(default_factory=list)
     attributes: Attributes | None = None
     nodes: list[int] | None = None
+    rounding: float | None = None
 
 
 def portion(progress: Progress | None, low: float, high: float) -> Progress | None:

@@ -67,7 +67,14 @@ def elbow(cut: Cut, reach: float) -> Solid:
 
     up, out = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     spigot = THREAD + deviation("g6", 2.0 * THREAD) / 2.0
-    ends = [(spigot - 0.6, -9.0), (spigot, -8.0), (spigot, 0.0), (8.5, 0.0), (8.5, ELBOW_COLLAR), (COLLAR_RADIUS, ELBOW_COLLAR)]
+    ends = [
+        (spigot - 0.6, -9.0),
+        (spigot, -8.0),
+        (spigot, 0.0),
+        (8.5, 0.0),
+        (8.5, ELBOW_COLLAR),
+        (COLLAR_RADIUS, ELBOW_COLLAR),
+    ]
     for radius, z in cut.sharp(ends):
         ring(np.array([0.0, 0.0, z]), up, radius)
     for point, way in zip(path.points[1:-1], path.tangents[1:-1], strict=True):

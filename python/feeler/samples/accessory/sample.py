@@ -241,7 +241,9 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
     keepers = tuple(Keeper(full(path), kind, many(held)) for path, kind, held in asm.keepers)
     stays = tuple(Stay(full(path), because) for path, because in asm.stays.items())
     fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
-    faults = tuple(Fault(f.name, many(f.parts), f.expects, round(f.value, 9), f.says, many(f.moved)) for f in asm.planted)
+    faults = tuple(
+        Fault(f.name, many(f.parts), f.expects, round(f.value, 9), f.says, many(f.moved)) for f in asm.planted
+    )
     chord = asm.cut.chord * MM
     return Truth(seed, chord, tuple(bodies), fits, plain_steps, fasteners, keepers, stays, joints, faults)
 
