@@ -1,0 +1,113 @@
+"""The solid of a part for manifold3d: the union of its closed surfaces, less their hollows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+
+Floats = npt.NDArray[np.float64]
+Faces = npt.NDArray[np.uint64]
+
+_MOST_SHARE = 1.0 + 1e-9
+"""How much larger than the room it has a volume may be, by rounding."""
+
+
+def solid_of(library: Any, corners: Floats, middle: Floats) -> Any:
+    """The solid of triangles `(k, 3, 3)`, relative to `middle`; None if manifold3d rejects it, or it has no volume.
+
+    Triangles count once, each surface is turned as depths take it, and what lies in two surfaces counts once.
+    """
+    vertices, index = _core.weld_vertices(np.ascontiguousarray(corners.reshape(-1, 3)))
+    faces = index.reshape(-1, 3).astype(np.uint64)
+    # A triangle with two equal corners is a line. Its neighbours share that edge, so it can go.
+    faces = _once(faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)])
+    whole = library.Manifold(library.Mesh64(vertices - middle, faces))
+    if whole.status() != library.Error.NoError:
+        return None
+    shells = [_Shell(library, each) for each in whole.decompose()]
+    shells = sorted((each for each in shells if each.size > 0.0), key=lambda each: -each.size)
+    if any(each.solid.status() != library.Error.NoError for each in shells):
+        return None
+    solid = _joined(library, shells)
+    if solid is None or solid.status() != library.Error.NoError or not solid.volume() > 0.0:
+        return None
+    # A surface that overlaps itself counts what it encloses twice.
+    return solid if solid.volume() <= _MOST_SHARE * solid.hull().volume() else None
+
+
+def shared_volume(one: Any, other: Any) -> float:
+    """The volume that two solids share, cubic metres; NaN if it is not between 0 and the smaller."""
+    volume = float((one ^ other).volume())
+    least = min(one.volume(), other.volume())
+    return min(volume, least) if 0.0 <= volume <= _MOST_SHARE * least else float("nan")
+
+
+class _Shell:
+    """A connected closed surface, turned outwards. size: what it encloses, cubic metres. sense: 1, or -1 if it had to be
+    turned."""
+
+    def __init__(self, library: Any, given: Any) -> None:
+        volume = given.volume()
+        self.size, self.sense = abs(volume), 1 if volume > 0.0 else -1
+        self.solid = given if volume > 0.0 else _flipped(library, given)
+        self.low, self.high = np.array(self.solid.bounding_box()).reshape(2, 3)
+        self.is_hollow = False
+
+    def holds(self, other: _Shell) -> bool:
+        """Whether another shell, of at most this size, lies in this one."""
+        if (other.low < self.low).any() or (other.high > self.high).any():
+            return False
+        return bool((self.solid ^ other.solid).volume() > 0.5 * other.size)
+
+
+def _joined(library: Any, shells: list[_Shell]) -> Any:
+    """The union of the shells, the largest first, less the hollows; None of none."""
+    if not shells:
+        return None
+    if len({each.sense for each in shells}) > 1:
+        bodies = _without_hollows(library, shells)
+    else:
+        bodies = [each.solid for each in shells]
+    return bodies[0] if len(bodies) == 1 else library.Manifold.batch_boolean(bodies, library.OpType.Add)
+
+
+def _without_hollows(library: Any, shells: list[_Shell]) -> list[Any]:
+    """The solid shells, each without the hollows in it. A shell in the material of others is wound as these are; one in
+    a hollow, or in none, is a solid, however it is wound."""
+    hollows: dict[int, list[Any]] = {}
+    for place, shell in enumerate(shells):
+        holding = [at for at in range(place) if shells[at].holds(shell)]
+        if not sum(-1 if shells[at].is_hollow else 1 for at in holding):
+            continue
+        around = shells[holding[-1]]
+        outward = -around.sense if around.is_hollow else around.sense
+        shell.is_hollow = shell.sense != outward
+        if shell.is_hollow:
+            solids = [at for at in holding if not shells[at].is_hollow]
+            hollows.setdefault(solids[-1], []).append(shell.solid)
+    solid = [(place, each.solid) for place, each in enumerate(shells) if not each.is_hollow]
+    return [
+        library.Manifold.batch_boolean([each, *hollows[place]], library.OpType.Subtract) if place in hollows else each
+        for place, each in solid
+    ]
+
+
+def _flipped(library: Any, given: Any) -> Any:
+    """The same surface, wound the other way."""
+    mesh = given.to_mesh64()
+    vertices, faces = mesh.vert_properties[:, :3], mesh.tri_verts[:, ::-1]
+    return library.Manifold(library.Mesh64(np.array(vertices, order="C"), np.array(faces, order="C")))
+
+
+def _once(faces: Faces) -> Faces:
+    """The triangles `(n, 3)` without those with the corners and the winding of an earlier one."""
+    if not len(faces):
+        return faces
+    first = faces.argmin(axis=1)
+    turned = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
+    _, kept = np.unique(turned, axis=0, return_index=True)
+    return faces if len(kept) == len(faces) else faces[np.sort(kept)]
