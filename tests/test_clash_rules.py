@@ -339,6 +339,47 @@ def test_names_from_files_are_quoted(tmp_path: Path) -> None:
     assert len(found) == 1 and found.rules[0] != "default"
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("/World/a", "/World/b", "c"),
+        ("/World/a", "World/b", "c"),
+        ("", "a", "b"),
+        ("/slash/", "a", "b"),
+        ("/", "a", "c"),
+        ("re:a", "re:(", "b"),
+        ("re:a/x", "re:a/y", "re:c"),
+        ("a/", "a/b", "c"),
+        ("re:line\nbreak/x", "b", "c"),
+        ("\ud800", "x\udfff/y", "c?[1]*"),
+        (" ", "material:steel", "!a"),
+    ],
+)
+def test_files_of_rules_name_what_was_found(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """Whatever the names look like: roots of USD, none, regular expressions, and what no file can store."""
+    vertices, faces = box((0, 0, 0), (0.2, 0.2, 0.5))
+    shapes = [vertices + np.array([0.15 * i, 0, 0]) for i in range(3)]
+    mockup = feeler.Mockup(
+        np.concatenate(shapes),
+        np.concatenate([faces + 8 * i for i in range(3)]),
+        np.repeat([0, 1, 2], 12),
+        [name.rpartition("/")[2] for name in names],
+        part_paths=list(names),
+    )
+    found = feeler.clash(mockup, clearance=0.001, contact=1e-5)
+    write_rules(tmp_path / "clash.toml", found)
+    again = feeler.clash(mockup, clearance=0.0, rules=tmp_path / "clash.toml")
+    assert len(found) == 2 and pairs(again) == pairs(found) and "default" not in again.rules
+    # So do the exclusions in its comments.
+    touching = feeler.clash(mockup, clearance=0.001, contact=1.0)
+    write_rules(tmp_path / "touching.toml", touching)
+    lines = [line[2:] for line in (tmp_path / "touching.toml").read_text(encoding="utf-8").splitlines()[4:]]
+    start = lines.index("[[exclude]]")
+    text = "\n".join(line for line in lines[start:] if line.startswith(("[[", "name", "a =", "b =")))
+    (tmp_path / "left.toml").write_text(text.rpartition("[[exclude]]")[0], encoding="utf-8")
+    assert len(feeler.clash(mockup, clearance=0.001, rules=tmp_path / "left.toml")) == 0
+
+
 def test_two_rules_may_share_their_last_names(tmp_path: Path) -> None:
     shapes = {f"r/{i}/x": box((3 * i, 0, 0), (3 * i + 1, 1, 1)) for i in range(2)}
     shapes |= {f"r/{i}/y": box((3 * i + 0.5, 0, 0), (3 * i + 2, 1, 1)) for i in range(2)}

@@ -314,10 +314,8 @@ class _Archive:
             path = f"{folder}/{name}"
             if path not in self._members:
                 continue
-            for selection in self._document(path).every("Selection"):
-                found = [each.said("AuthoringToolId") for each in selection.every("Component")]
-                return tuple(dict.fromkeys(each for each in found if each))
-            return ()
+            found = [each.said("AuthoringToolId") for each in _selected(self._document(path))]
+            return tuple(dict.fromkeys(each for each in found if each))
         return ()
 
     def _document(self, member: str) -> _Element:
@@ -366,6 +364,14 @@ class _Archive:
                 if size > MOST_MEMBER_BYTES or self._unpacked > MOST_UNPACKED_BYTES:
                     raise self.fail(f"{member!r} unpacks to more than a BCF file needs: it was not opened")
                 yield block
+
+
+def _selected(viewpoint: _Element) -> list[_Element]:
+    """The components that a viewpoint selects. BCF 2.0 has no list of them: each component has a mark of its own."""
+    for selection in viewpoint.every("Selection"):
+        return [*selection.every("Component")]
+    marked = viewpoint.every("Component")
+    return [each for each in marked if each.attributes.get("Selected", "").strip().lower() in ("true", "1")]
 
 
 def _comment(element: _Element) -> Comment:

@@ -75,7 +75,8 @@ def clash(
     The result does not depend on the number of threads. docs/clash.md explains verdicts and depths. Memory: the index;
     trees for depths, 130 bytes a triangle, of at most 2^22 triangles or two of the largest part; 165 bytes a finding;
     up to 80 MB for rules. Raises `OptionError` for invalid limits, rules and names, `MissingFileError` and `LoadError`
-    for the file of rules, and at Ctrl-C `ClashInterrupted`, a `KeyboardInterrupt` that holds the findings so far.
+    for the file of rules, and at Ctrl-C `ClashInterrupted`, a `KeyboardInterrupt` that holds the findings so far; before
+    there are any, `KeyboardInterrupt`.
     """
     given: object = mockup
     if not isinstance(given, Mockup):

@@ -47,8 +47,8 @@ def shared_volume(one: Any, other: Any) -> float:
 
 
 class _Shell:
-    """A connected closed surface, turned outwards. size: what it encloses, cubic metres. sense: 1, or -1 if it had to be
-    turned."""
+    """A connected closed surface, turned outwards. size: what it encloses, cubic metres. sense: 1, or -1 if it was
+    wound inwards."""
 
     def __init__(self, library: Any, given: Any) -> None:
         volume = given.volume()

@@ -57,8 +57,8 @@ class Clash:
     point_b: Point
     """The point of `b` that corresponds to `point_a`."""
     volume: float
-    """The shared volume, cubic metres, from 0 to the smaller part; NaN if it was not measured, or if a part is open or its
-    surfaces do not say what is inside."""
+    """The shared volume, cubic metres, at most the smaller part; NaN if it was not measured, if a part is open, or if
+    its surfaces do not say what is inside."""
     triangles: int
     """The number of colliding pairs of triangles."""
     box: tuple[Point, Point]

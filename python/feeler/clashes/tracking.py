@@ -34,7 +34,7 @@ APPROVAL = ("approved_depth", "approved_error", "approved_verdict")
 """The fields of a `Mark` that an approval has."""
 
 _ERROR_SHARE, _LEAST_ERROR_M = 1e-3, 1e-9
-"""The largest error of a measured depth, as a share and in metres: for approvals of older files, which have no error."""
+"""The largest error of a measured depth, as a share and in metres: for approvals of older files, which lack it."""
 
 _NAMESPACE = uuid.UUID("14e5acf5-0b61-45c2-bc05-5a908cb2fbed")
 
