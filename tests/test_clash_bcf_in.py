@@ -140,7 +140,9 @@ def test_a_viewpoint_selects_the_pair_in_each_version(tmp_path: Path, how: str) 
         hidden = f"<Visibility><Exceptions>{component('b/pin')}</Exceptions></Visibility>"
         listed = f"<Selection>{''.join(map(component, pair))}</Selection>{hidden}"
     view = f"<VisualizationInfo><Components>{listed}</Components></VisualizationInfo>"
-    markup = TOPIC.format(guid="g", status="Closed", more="", beside="<Viewpoints><Viewpoint>v</Viewpoint></Viewpoints>")
+    markup = TOPIC.format(
+        guid="g", status="Closed", more="", beside="<Viewpoints><Viewpoint>v</Viewpoint></Viewpoints>"
+    )
     (topic,) = read_bcf(archive(tmp_path / "a.bcf", {"g/markup.bcf": markup, "g/v": view}))
     assert topic.parts == pair
     found = feeler.clash(mockup())

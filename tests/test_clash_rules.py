@@ -125,7 +125,39 @@ def test_names_of_fasteners(name: str) -> None:
     assert is_fastener(f"engine/{name}") is True
 
 
-@pytest.mark.parametrize("name", ["Nut_housing", "lead screw", "LeadScrew", "ISO_K_100_pipe", "M8 housing", "pump/key"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("Vis CHC M6", "Vis CHC", "VIS_CHC_M6x20", "Vis à tête hexagonale", "Vis tête cylindrique M6", "Vis H M8"),
+        *("Vite TCEI M6x20", "Vite TCEI", "Viti testa svasata", "Dado autobloccante M8", "Bullone esagonale"),
+        *("Rondelle plate M8", "Rondelle plate", "Écrou frein", "Boulon HM12 inox", "tornillo allen M8"),
+        *("Tornillo cabeza hexagonal", "Arandela plana", "Tuerca M8 ciega", "Vis de fixation capot"),
+    ],
+)
+def test_names_whose_noun_comes_first(name: str) -> None:
+    assert is_fastener(f"moteur/{name}") is True
+
+
+@pytest.mark.parametrize("name", ["vis-a-vis", "Vis à vis", "Vis_a_Vis camera", "VIS camera", "Vite", "dado box"])
+def test_first_nouns_alone_need_more(name: str) -> None:
+    """Words that mean other things in other places; a noun alone is a name."""
+    assert is_fastener(f"moteur/{name}") is (True if name == "Vite" else None)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("Nut_housing", "lead screw", "LeadScrew", "ISO_K_100_pipe", "M8 housing", "pump/key", "Vis sans fin M20"),
+        *(
+            "Vis à billes",
+            "Vis mère",
+            "Vite senza fine",
+            "Vite a ricircolo di sfere",
+            "Tornillo sin fin",
+            "Vis M6 housing",
+        ),
+    ],
+)
 def test_names_of_other_things(name: str) -> None:
     assert is_fastener(f"engine/{name}") is False
 

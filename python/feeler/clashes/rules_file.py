@@ -100,7 +100,7 @@ def _unused(name: str, names: set[str]) -> str:
 
 
 def _pattern(path: str) -> str:
-    """What names a path and all below it: the path, or a regular expression where rules read the path as another thing."""
+    """What names a path and all below it: the path, or a regular expression where rules misread the path."""
     is_plain = path and not path.startswith("re:") and not path.endswith("/") and not _LONE.search(path)
     return path if is_plain else f"re:(?s:{_LONE.sub('.', re.escape(path))}(/.*)?)"
 
