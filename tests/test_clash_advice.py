@@ -69,7 +69,7 @@ def test_depths_of_open_parts_are_called_estimates() -> None:
         "parts that are not closed are in 1 clash: tub, lid. They have no inside, so the depth is an"
     )
     assert line.endswith("and no shared volume is measured. Export them as solid, or close the surfaces")
-    (line,) = said({"tub": sheet, "cube": CUBE, "cut": box((0.5, 0.5, 0.5), (2, 2, 2))}, clearance=0.0)
+    (line,) = said({"tub": sheet, "cube": CUBE, "cut": box((0.5, 0.5, 0.25), (2, 2, 2))}, clearance=0.0)
     assert line.startswith("parts that are not closed are in 2 clashes: tub. They")
 
 

@@ -195,7 +195,7 @@ def test_fasteners_of_saved_findings_are_found_by_shape(tmp_path: Path) -> None:
     assert tried.facts.notes == ()
     with pytest.raises(OptionError, match="the clashes are of other parts than the mock-up's, such as 'far': give"):
         saved.with_rules(rules, house())
-    with pytest.raises(OptionError, match="mockup is 'mock-up': give a feeler.Mockup"):
+    with pytest.raises(OptionError, match=r"mockup is 'mock-up': give a feeler\.Mockup"):
         saved.with_rules(rules, "mock-up")  # type: ignore[arg-type]
 
 

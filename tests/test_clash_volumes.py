@@ -69,3 +69,17 @@ def test_no_volume_is_negative_or_more_than_the_smaller_part() -> None:
     for part in (sharing, flush, joined(UNIT, inverted(UNIT))):
         (row,) = feeler.clash(mockup_of({"a": part, "b": BAR}), clearance=0, volume=True)
         assert math.isnan(row.volume) or row.volume == pytest.approx(0.036)
+
+
+def test_many_surfaces_in_one_part() -> None:
+    """Solids and hollows in turn, in and out of a block; triangles of a surface need not follow each other."""
+    cubes = [box(corner, np.add(corner, 0.5)) for corner in np.ndindex(3, 3, 8)]
+    turned = [inverted(cube) if place % 2 else cube for place, cube in enumerate(cubes)]
+    vertices, faces = joined(*turned)
+    faces = np.random.default_rng(1).permutation(faces)
+    other = box((-2, -2, -2), (1.25, 1.25, 1.25))
+    (row,) = feeler.clash(mockup_of({"a": (vertices, faces), "b": other}), clearance=0, volume=True)
+    assert row.volume == pytest.approx(0.75**3)
+    block = joined(box((-1, -1, -1), (4, 4, 9)), (vertices, faces))
+    (row,) = feeler.clash(mockup_of({"a": block, "b": other}), clearance=0, volume=True)
+    assert row.volume == pytest.approx(2.25**3 - 0.25 * 0.75**2)  # the odd ones are hollows: those at z = 1

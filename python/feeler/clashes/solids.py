@@ -25,10 +25,11 @@ def solid_of(library: Any, corners: Floats, middle: Floats) -> Any:
     faces = index.reshape(-1, 3).astype(np.uint64)
     # A triangle with two equal corners is a line. Its neighbours share that edge, so it can go.
     faces = _once(faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)])
-    whole = library.Manifold(library.Mesh64(vertices - middle, faces))
-    if whole.status() != library.Error.NoError:
+    wholes = [library.Manifold(library.Mesh64(*each)) for each in _pieces(vertices - middle, faces)]
+    if any(each.status() != library.Error.NoError for each in wholes):
         return None
-    shells = [_Shell(library, each) for each in whole.decompose()]
+    # Surfaces that share vertices are one piece. Taking many surfaces apart at once would take its time in square.
+    shells = [_Shell(library, each) for whole in wholes for each in whole.decompose()]
     shells = sorted((each for each in shells if each.size > 0.0), key=lambda each: -each.size)
     if any(each.solid.status() != library.Error.NoError for each in shells):
         return None
@@ -58,9 +59,7 @@ class _Shell:
         self.is_hollow = False
 
     def holds(self, other: _Shell) -> bool:
-        """Whether another shell, of at most this size, lies in this one."""
-        if (other.low < self.low).any() or (other.high > self.high).any():
-            return False
+        """Whether another shell, of at most this size and with its box in this one's, lies in this one."""
         return bool((self.solid ^ other.solid).volume() > 0.5 * other.size)
 
 
@@ -79,8 +78,10 @@ def _without_hollows(library: Any, shells: list[_Shell]) -> list[Any]:
     """The solid shells, each without the hollows in it. A shell in the material of others is wound as these are; one in
     a hollow, or in none, is a solid, however it is wound."""
     hollows: dict[int, list[Any]] = {}
+    low, high = (np.array([getattr(each, side) for each in shells]) for side in ("low", "high"))
     for place, shell in enumerate(shells):
-        holding = [at for at in range(place) if shells[at].holds(shell)]
+        is_around = (low[:place] <= shell.low).all(axis=1) & (high[:place] >= shell.high).all(axis=1)
+        holding = [at for at in np.flatnonzero(is_around).tolist() if shells[at].holds(shell)]
         if not sum(-1 if shells[at].is_hollow else 1 for at in holding):
             continue
         around = shells[holding[-1]]
@@ -101,6 +102,30 @@ def _flipped(library: Any, given: Any) -> Any:
     mesh = given.to_mesh64()
     vertices, faces = mesh.vert_properties[:, :3], mesh.tri_verts[:, ::-1]
     return library.Manifold(library.Mesh64(np.array(vertices, order="C"), np.array(faces, order="C")))
+
+
+def _pieces(vertices: Floats, faces: Faces) -> list[tuple[Floats, Faces]]:
+    """The vertices and triangles of each piece that shares no vertex with others."""
+    label = np.arange(len(vertices))
+    while True:
+        # The pieces of a triangle's corners become one, that of the least number: rounds in the logarithm of the vertices.
+        now = label[faces]
+        least = now.min(axis=1, initial=len(vertices))
+        if (now == least[:, None]).all():
+            break
+        np.minimum.at(label, now.ravel(), np.repeat(least, 3))
+        while not np.array_equal(label, label[label]):
+            label = label[label]
+    piece = label[faces[:, 0]]
+    if not len(faces) or (piece == piece[0]).all():
+        return [(vertices, faces)] if len(faces) else []
+    order = np.argsort(piece, kind="stable")
+    starts = np.flatnonzero(np.diff(piece[order])) + 1
+    found = []
+    for own in np.split(order, starts):
+        used, index = np.unique(faces[own], return_inverse=True)
+        found.append((vertices[used], index.reshape(-1, 3).astype(np.uint64)))
+    return found
 
 
 def _once(faces: Faces) -> Faces:
