@@ -12,6 +12,9 @@ from feeler import _core
 Floats = npt.NDArray[np.float64]
 Faces = npt.NDArray[np.uint64]
 
+_HASH = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+"""Odd numbers that spread three indices over 64 bits."""
+
 _MOST_SHARE = 1.0 + 1e-9
 """How much larger than the room it has a volume may be, by rounding."""
 
@@ -108,7 +111,7 @@ def _pieces(vertices: Floats, faces: Faces) -> list[tuple[Floats, Faces]]:
     """The vertices and triangles of each piece that shares no vertex with others."""
     label = np.arange(len(vertices))
     while True:
-        # The pieces of a triangle's corners become one, that of the least number: rounds in the logarithm of the vertices.
+        # The pieces of a triangle's corners become one, that of the least number: in few rounds.
         now = label[faces]
         least = now.min(axis=1, initial=len(vertices))
         if (now == least[:, None]).all():
@@ -134,5 +137,8 @@ def _once(faces: Faces) -> Faces:
         return faces
     first = faces.argmin(axis=1)
     turned = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
+    hashes = turned @ _HASH
+    if len(np.unique(hashes)) == len(faces):  # in a tenth of the time
+        return faces
     _, kept = np.unique(turned, axis=0, return_index=True)
     return faces if len(kept) == len(faces) else faces[np.sort(kept)]
