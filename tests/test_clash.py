@@ -494,6 +494,26 @@ def test_wrong_arguments(mockup: feeler.Mockup) -> None:
         asked(mockup, threads=0)
 
 
+@pytest.mark.parametrize("scale", [1e-12, 1e39, 1e41, 1e60, 1e99])
+def test_coordinates_are_right_or_refused(scale: float) -> None:
+    parts = {"a": box((0, 0, 0), (1, 1, 1)), "x/b": box((0.875, 0.25, 0.25), (2, 0.75, 0.75))}
+    mockup = mockup_of({name: (scale * vertices, faces) for name, (vertices, faces) in parts.items()})
+    if scale > 1e40:
+        with pytest.raises(
+            MeshError, match=r"part 'a' has coordinates of 1e\+\d+ m, and a clash check takes up to 1e\+40 m"
+        ):
+            feeler.clash(mockup)
+    else:
+        (row,) = feeler.clash(mockup)
+        assert row.verdict == "clash" and row.depth == pytest.approx(0.125 * scale, rel=1e-3)
+
+
+def test_a_triangle_that_is_not_queried_is_not_refused() -> None:
+    vertices, faces = box((0, 0, 0), (1, 1, 1))
+    torn = np.append(vertices, [[1e150, 0, 0]], axis=0), np.append(faces, [[0, 1, 8]], axis=0)
+    assert len(feeler.clash(mockup_of({"a": torn, "b": box((0.5, 0, 0), (2, 1, 1))}))) == 1
+
+
 def test_chordal_errors_are_known_of_step_alone(mockup: feeler.Mockup, testdata: Path) -> None:
     with pytest.raises(OptionError, match=r'contact="chord".*only of STEP files.*give contact in metres'):
         feeler.clash(mockup, contact="chord")

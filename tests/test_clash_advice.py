@@ -62,6 +62,17 @@ def test_a_closed_part_that_is_in_no_finding_is_not_called_open() -> None:
     assert [each[:7] for each in said({"ell": ell, "free": box((2, 0.25, 2), (2.5, 0.75, 2.5))})] == ["no pair"]
 
 
+def test_depths_of_open_parts_are_called_estimates() -> None:
+    sheet = open_box((-1, -1, 0.5), (2, 2, 0.9))
+    (line,) = said({"a/tub": sheet, "b/lid": open_box((0, 0, 0.25), (0.5, 0.5, 0.75))}, clearance=0.0)
+    assert line.startswith(
+        "parts that are not closed are in 1 clash: tub, lid. They have no inside, so the depth is an"
+    )
+    assert line.endswith("and no shared volume is measured. Export them as solid, or close the surfaces")
+    (line,) = said({"tub": sheet, "cube": CUBE, "cut": box((0.5, 0.5, 0.25), (2, 2, 2))}, clearance=0.0)
+    assert line.startswith("parts that are not closed are in 2 clashes: tub. They")
+
+
 def test_no_clearance_asks_for_one() -> None:
     assert said({"cube": CUBE, "far": FAR}, clearance=0.0) == [
         "no pair of parts collides. Pass a clearance, such as 0.002 metres, to find pairs that are too near"

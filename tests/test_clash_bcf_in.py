@@ -125,6 +125,31 @@ def test_comments_beside_the_topic_as_in_earlier_versions(tmp_path: Path) -> Non
     assert topic == Topic("g", "t", "Open", "", "bob", (Comment("hm", "ada", "d"),))
 
 
+@pytest.mark.parametrize("how", ["2.0", "2.1"])
+def test_a_viewpoint_selects_the_pair_in_each_version(tmp_path: Path, how: str) -> None:
+    """BCF 2.0 marks each component; later versions list those that are selected."""
+
+    def component(name: str, more: str = "") -> str:
+        return f"<Component {more}><AuthoringToolId>{name}</AuthoringToolId></Component>"
+
+    pair = ("a/plate", "a/pin")
+    if how == "2.0":
+        marked = component(pair[0], 'Selected="true"') + component(pair[1], 'Selected="1" Visible="true"')
+        listed = marked + component("b/pin", 'Selected="false"') + component("b/plate", 'Visible="true"')
+    else:
+        hidden = f"<Visibility><Exceptions>{component('b/pin')}</Exceptions></Visibility>"
+        listed = f"<Selection>{''.join(map(component, pair))}</Selection>{hidden}"
+    view = f"<VisualizationInfo><Components>{listed}</Components></VisualizationInfo>"
+    markup = TOPIC.format(
+        guid="g", status="Closed", more="", beside="<Viewpoints><Viewpoint>v</Viewpoint></Viewpoints>"
+    )
+    (topic,) = read_bcf(archive(tmp_path / "a.bcf", {"g/markup.bcf": markup, "g/v": view}))
+    assert topic.parts == pair
+    found = feeler.clash(mockup())
+    assert apply_bcf(found, [topic]).unknown == ()
+    assert {row.path_a: row.status for row in found} == {"a/plate": "reviewed", "b/plate": "new"}
+
+
 def test_the_command_takes_them_over(tmp_path: Path) -> None:
     found = feeler.clash(mockup())
     write_bcf(tmp_path / "out.bcf", found, mockup())

@@ -18,7 +18,7 @@ from shapes import Mesh, box
 import feeler
 from feeler.clashes.matching import matched
 from feeler.clashes.shapes import Shapes, shapes_of
-from feeler.clashes.tracking import part_keys
+from feeler.clashes.tracking import Found, part_keys
 from feeler.errors import LoadError
 from feeler.io import write_glb
 
@@ -156,7 +156,7 @@ def test_a_renamed_approval_is_still_of_a_depth(tmp_path: Path) -> None:
     now = checked(named(deeper))
     now.diff(before, growth=1.0)
     assert (now[0].status, now[0].changed) == ("approved", "renamed")
-    before.marks.set(before.ids[0], "approved", -1.0, "ada", "by design")
+    before.marks.set(before.ids[0], "approved", Found(-1.0, 0.0, "clash"), "ada", "by design")
     now.diff(before)
     assert now[0].status == "new" and now[0].note.startswith("by design; approved at") and now[0].changed == "renamed"
 

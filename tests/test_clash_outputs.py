@@ -421,6 +421,14 @@ def test_files_are_written_from_path_clashes_mockup(tmp_path: Path, mockup: feel
         write_clash_glb(tmp_path / "a.glb", mockup, feeler.clash(mockup))  # type: ignore[arg-type]
 
 
+def test_glb_takes_names_that_no_file_can_store(tmp_path: Path) -> None:
+    """Halves of surrogate pairs, which only Python can put into a name."""
+    mockup = mockup_of({"\ud800/\udc00x": box((0, 0, 0), (1, 1, 1)), "ä/b": box((0.5, 0, 0), (2, 1, 1))})
+    write_clash_glb(tmp_path / "a.glb", feeler.clash(mockup), mockup)
+    paths = feeler.load_mockup(tmp_path / "a.glb").part_paths
+    assert paths[0].endswith("?x") and paths[1].endswith("ä/b")
+
+
 def test_glb_shows_the_worst_verdict_of_each_part(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
     body, _ = clash_bodies(mockup, found)

@@ -16,6 +16,8 @@ from feeler.clashes import Exclusion, Rule, Rules
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.verdict import Verdict
 from feeler.errors import OptionError
+from feeler.samples import hardware
+from feeler.samples.tessellation import Tolerance
 
 
 @pytest.fixture(scope="module")
@@ -176,6 +178,25 @@ def test_shapes_of_fasteners_need_the_mock_up(mockup: feeler.Mockup) -> None:
         "fasteners are found by name alone. Pass the mock-up to find them by shape, too",
     )
     assert found.with_rules(rules, mockup).facts.notes == ()
+
+
+def test_fasteners_of_saved_findings_are_found_by_shape(tmp_path: Path) -> None:
+    """A file has only the parts of its findings, and in another order."""
+    bolt = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
+    wall = box((-0.05, -0.05, -0.02), (0.05, 0.05, 0.0))
+    far = box((1, 0, 0), (2, 1, 1))
+    mockup = mockup_of({"far": far, "wall": wall, "part_17": (bolt.vertices, bolt.faces), "part_9": far})
+    feeler.clash(mockup, clearance=0).save(tmp_path / "a.json")
+    saved = feeler.load_clashes(tmp_path / "a.json")
+    rules = Rules(exclusions=(Exclusion("f", fasteners=True),))
+    assert saved.with_rules(rules).hidden == {"f": 0}
+    tried = saved.with_rules(rules, mockup)
+    assert tried.hidden == {"f": 1} == feeler.clash(mockup, clearance=0, rules=rules).hidden
+    assert tried.facts.notes == ()
+    with pytest.raises(OptionError, match="the clashes are of other parts than the mock-up's, such as 'far': give"):
+        saved.with_rules(rules, house())
+    with pytest.raises(OptionError, match=r"mockup is 'mock-up': give a feeler\.Mockup"):
+        saved.with_rules(rules, "mock-up")  # type: ignore[arg-type]
 
 
 def test_rules_are_tried_on_what_rules_left(mockup: feeler.Mockup) -> None:

@@ -125,7 +125,39 @@ def test_names_of_fasteners(name: str) -> None:
     assert is_fastener(f"engine/{name}") is True
 
 
-@pytest.mark.parametrize("name", ["Nut_housing", "lead screw", "LeadScrew", "ISO_K_100_pipe", "M8 housing", "pump/key"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("Vis CHC M6", "Vis CHC", "VIS_CHC_M6x20", "Vis à tête hexagonale", "Vis tête cylindrique M6", "Vis H M8"),
+        *("Vite TCEI M6x20", "Vite TCEI", "Viti testa svasata", "Dado autobloccante M8", "Bullone esagonale"),
+        *("Rondelle plate M8", "Rondelle plate", "Écrou frein", "Boulon HM12 inox", "tornillo allen M8"),
+        *("Tornillo cabeza hexagonal", "Arandela plana", "Tuerca M8 ciega", "Vis de fixation capot"),
+    ],
+)
+def test_names_whose_noun_comes_first(name: str) -> None:
+    assert is_fastener(f"moteur/{name}") is True
+
+
+@pytest.mark.parametrize("name", ["vis-a-vis", "Vis à vis", "Vis_a_Vis camera", "VIS camera", "Vite", "dado box"])
+def test_first_nouns_alone_need_more(name: str) -> None:
+    """Words that mean other things in other places; a noun alone is a name."""
+    assert is_fastener(f"moteur/{name}") is (True if name == "Vite" else None)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("Nut_housing", "lead screw", "LeadScrew", "ISO_K_100_pipe", "M8 housing", "pump/key", "Vis sans fin M20"),
+        *(
+            "Vis à billes",
+            "Vis mère",
+            "Vite senza fine",
+            "Vite a ricircolo di sfere",
+            "Tornillo sin fin",
+            "Vis M6 housing",
+        ),
+    ],
+)
 def test_names_of_other_things(name: str) -> None:
     assert is_fastener(f"engine/{name}") is False
 
@@ -337,6 +369,47 @@ def test_names_from_files_are_quoted(tmp_path: Path) -> None:
     write_rules(tmp_path / "clash.toml", feeler.clash(mockup))
     found = feeler.clash(mockup, rules=tmp_path / "clash.toml")
     assert len(found) == 1 and found.rules[0] != "default"
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("/World/a", "/World/b", "c"),
+        ("/World/a", "World/b", "c"),
+        ("", "a", "b"),
+        ("/slash/", "a", "b"),
+        ("/", "a", "c"),
+        ("re:a", "re:(", "b"),
+        ("re:a/x", "re:a/y", "re:c"),
+        ("a/", "a/b", "c"),
+        ("re:line\nbreak/x", "b", "c"),
+        ("\ud800", "x\udfff/y", "c?[1]*"),
+        (" ", "material:steel", "!a"),
+    ],
+)
+def test_files_of_rules_name_what_was_found(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """Whatever the names look like: roots of USD, none, regular expressions, and what no file can store."""
+    vertices, faces = box((0, 0, 0), (0.2, 0.2, 0.5))
+    shapes = [vertices + np.array([0.15 * i, 0, 0]) for i in range(3)]
+    mockup = feeler.Mockup(
+        np.concatenate(shapes),
+        np.concatenate([faces + 8 * i for i in range(3)]),
+        np.repeat([0, 1, 2], 12),
+        [name.rpartition("/")[2] for name in names],
+        part_paths=list(names),
+    )
+    found = feeler.clash(mockup, clearance=0.001, contact=1e-5)
+    write_rules(tmp_path / "clash.toml", found)
+    again = feeler.clash(mockup, clearance=0.0, rules=tmp_path / "clash.toml")
+    assert len(found) == 2 and pairs(again) == pairs(found) and "default" not in again.rules
+    # So do the exclusions in its comments.
+    touching = feeler.clash(mockup, clearance=0.001, contact=1.0)
+    write_rules(tmp_path / "touching.toml", touching)
+    lines = [line[2:] for line in (tmp_path / "touching.toml").read_text(encoding="utf-8").splitlines()[4:]]
+    start = lines.index("[[exclude]]")
+    text = "\n".join(line for line in lines[start:] if line.startswith(("[[", "name", "a =", "b =")))
+    (tmp_path / "left.toml").write_text(text.rpartition("[[exclude]]")[0], encoding="utf-8")
+    assert len(feeler.clash(mockup, clearance=0.001, rules=tmp_path / "left.toml")) == 0
 
 
 def test_two_rules_may_share_their_last_names(tmp_path: Path) -> None:

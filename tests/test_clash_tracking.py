@@ -6,6 +6,7 @@ import copy
 import json
 import pickle
 import uuid
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from shapes import box
 
 import feeler
 from feeler import Verdict
-from feeler.clashes.tracking import DEPTH_GROWTH_M, clash_id, part_keys
+from feeler.clashes.tracking import DEPTH_GROWTH_M, Found, clash_id, followed, mark_json, mark_of_json, part_keys
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io import WriteError
 from feeler.workbench.document.findings import findings_of, read_findings
@@ -177,6 +178,112 @@ def test_an_approval_is_of_a_depth(was: tuple[float, float], now: tuple[float, f
     assert after[0].status == status and len(getattr(change, status)) == 1
     if status == "new":
         assert "by design; approved at" in after[0].note and "now" in after[0].note and after[0].by == "ada"
+
+
+def test_an_approval_is_of_what_the_depth_may_be(tmp_path: Path) -> None:
+    """The depth is a lower bound: the same solids, cut otherwise, have another one within the error."""
+    deep = {"a": 0, "b": 1, "verdict": Verdict.CLASH}
+    before = table([{**deep, "depth": 0.494, "depth_error": 0.00043}])
+    before.set_status(before.ids[0], "approved", by="ada")
+    before.save(tmp_path / "1.json")
+    loaded = feeler.load_clashes(tmp_path / "1.json")
+    for depth, status in ((0.49443 + 0.9 * DEPTH_GROWTH_M, "approved"), (0.49443 + 1.1 * DEPTH_GROWTH_M, "new")):
+        for known in (before, loaded):
+            now = table([{**deep, "depth": depth, "depth_error": 0.0001}])
+            now.diff(known)
+            assert now[0].status == status
+    # The error of an open part is not known.
+    before = table([{**deep, "depth": 0.494, "depth_error": np.nan}])
+    before.set_status(before.ids[0], "approved")
+    now = table([{**deep, "depth": 0.4942, "depth_error": np.nan}])
+    assert len(now.diff(before).new) == 1
+
+
+def test_approvals_of_older_files_have_the_largest_error(tmp_path: Path) -> None:
+    deep = {"a": 0, "b": 1, "verdict": Verdict.CLASH}
+    before = table([{**deep, "depth": 0.494}])
+    before.set_status(before.ids[0], "approved", by="ada", note="by design")
+    before.save(tmp_path / "1.json")
+    data = json.loads((tmp_path / "1.json").read_text())
+    assert data["clashes"][0].pop("approved_error") == 0.0
+    assert data["clashes"][0].pop("approved_verdict") == "clash"
+    (tmp_path / "1.json").write_text(json.dumps(data))
+    old = feeler.load_clashes(tmp_path / "1.json")
+    mark = old.marks.of(old.ids[0])
+    assert (mark.approved_depth, mark.approved_error, mark.approved_verdict) == (0.494, None, "clash")
+    for more, status in ((0.0004, "approved"), (0.0007, "new")):
+        now = table([{**deep, "depth": 0.494 + more}])
+        now.diff(old)
+        assert now[0].status == status
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "status"),
+    [
+        (("contact", 0.0), ("duplicate", 0.0), "new"),
+        (("clash", 0.5), ("duplicate", 0.0), "new"),
+        (("contained", 0.5), ("duplicate", 0.0), "new"),
+        (("clearance", 0.0), ("duplicate", 0.0), "new"),
+        (("duplicate", 0.0), ("duplicate", 0.0), "approved"),
+        (("duplicate", 0.0), ("contact", 0.0), "approved"),
+        (("duplicate", 0.0), ("clash", 0.5), "new"),
+        (("contact", 2.5e-5), ("clash", 2.5e-5), "new"),  # walls that came to cross
+        (("clash", 2.5e-5), ("clash", 2.5e-5), "approved"),
+        (("clash", 2.5e-5), ("contact", 2.5e-5), "approved"),
+        (("contact", 0.00095), ("clash", 0.00101), "approved"),  # deeper than contact, but no deeper than growth
+    ],
+)
+def test_an_approval_is_of_a_verdict(
+    tmp_path: Path, was: tuple[str, float], now: tuple[str, float], status: str
+) -> None:
+    """Where the depth does not say how bad a finding is."""
+    before, after = (table([{"a": 0, "b": 1, "verdict": Verdict(word), "depth": depth}]) for word, depth in (was, now))
+    after.facts = replace(after.facts, rules=(("default", 0.002, 0.001),))
+    before.set_status(before.ids[0], "approved", by="ada", note="ok")
+    before.save(tmp_path / "1.json")
+    known = feeler.load_clashes(tmp_path / "1.json")
+    after.diff(known)
+    assert after[0].status == status
+    if status == "new" and now[1] <= was[1]:
+        assert after[0].note == f"ok; approved as {was[0]}, and now {now[0]}"
+        assert after.marks.of(after.ids[0]).approved_verdict is None
+    # The same in the workbench, which keeps its own table, also with the words of others.
+    data = json.loads((tmp_path / "1.json").read_text())
+    mockup = mockup_of({f"x/{name}": box((i, 0, 0), (i + 1, 1, 1)) for i, name in enumerate("ab")})
+    for row in data["clashes"]:
+        row["verdict"] = "touching" if row["verdict"] == "contact" else row["verdict"]
+        row.pop("approved_error"), row.pop("approved_verdict")
+    listed = findings_of(data, mockup.parts)
+    known = listed.table.clashes(mockup, {}, {})
+    assert known.marks.of(known.ids[0]).approved_verdict == was[0]
+    after = table([{"a": 0, "b": 1, "verdict": Verdict(now[0]), "depth": now[1]}], ("x/a", "x/b"))
+    after.facts = replace(after.facts, rules=(("default", 0.002, 0.001),))
+    after.diff(known)
+    assert after[0].status == status
+
+
+def test_approvals_that_only_an_older_project_kept_take_the_verdict_of_now() -> None:
+    mark = mark_of_json({"status": "approved", "approved_depth": 0.494})
+    assert followed(mark, Found(0.4943, 0.0001, "clash"), DEPTH_GROWTH_M).approved_verdict == "clash"
+    assert followed(mark, Found(0.4946, 0.0001, "clash"), DEPTH_GROWTH_M).status == "new"
+    assert mark_of_json(mark_json(mark)) == mark
+    for wrong in ({"approved_error": "x"}, {"approved_error": 1e300}, {"approved_verdict": "crash"}):
+        with pytest.raises(ValueError, match=f"{next(iter(wrong))} is "):
+            mark_of_json({"status": "approved", **wrong})
+
+
+def test_foils_that_come_to_cross_need_a_new_approval() -> None:
+    """Their depth stays the same."""
+    foil = box((-0.1, -0.1, 0), (0.1, 0.1, 5e-5))
+    flat = mockup_of({"a": foil, "b": box((-0.05, -0.05, 2.5e-5), (0.05, 0.05, 7.5e-5))})
+    upright = mockup_of({"a": foil, "b": box((-0.03, 0, -0.05), (0.03, 5e-5, 0.05))})
+    before = feeler.clash(flat, contact=1e-4)
+    before.set_status(before.ids[0], "approved")
+    now = feeler.clash(upright, contact=1e-4)
+    assert (before[0].verdict, now[0].verdict) == ("contact", "clash") and now[0].depth <= 1e-4
+    assert len(now.diff(before).new) == 1
+    again = feeler.clash(flat, contact=1e-4)
+    assert len(again.diff(before).approved) == 1
 
 
 def test_an_approved_depth_does_not_creep(tmp_path: Path) -> None:
@@ -352,6 +459,8 @@ DAMAGE: dict[str, Any] = {
     "box": [[0, 0, 0]],
     "open": [True],
     "approved_depth": "x",
+    "approved_error": "x",
+    "approved_verdict": "x",
 }
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from feeler.clashes.result import Clashes
+from feeler.clashes.verdict import Verdict
 from feeler.words import length
 
 _NAMED = 3
@@ -29,7 +32,24 @@ def advice(clashes: Clashes) -> list[str]:
             f"{count:,} part{' ' * (count == 1)}{are} not closed, so parts inside {them} are not found: "
             f"{_named(facts.open_parts)}. Export {them} as solid, or close the surfaces"
         )
+    if crossing := _open_crossing(clashes):
+        found.append(crossing)
     return [*found, *facts.notes]
+
+
+def _open_crossing(clashes: Clashes) -> str:
+    """What the depths of open parts mean; empty if no clash has one."""
+    rows = clashes[(clashes.columns.verdict == Verdict.CLASH.code) & clashes.columns.is_open.any(axis=1)]
+    if not len(rows):
+        return ""
+    sides = ((rows.parts_a, rows.is_open_a), (rows.parts_b, rows.is_open_b))
+    parts = np.unique(np.concatenate([part[is_open] for part, is_open in sides]))
+    paths = tuple(clashes.part_paths[part] for part in parts.tolist())
+    what = "1 clash" if len(rows) == 1 else f"{len(rows):,} clashes"
+    return (
+        f"parts that are not closed are in {what}: {_named(paths)}. They have no inside, so the depth is an estimate, "
+        "and no shared volume is measured. Export them as solid, or close the surfaces"
+    )
 
 
 def _nothing(clashes: Clashes) -> str:

@@ -22,7 +22,7 @@ from feeler.arguments import check_kind, check_list, check_path
 from feeler.choices import GROUPS_BY, Status
 from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, note_of
 from feeler.clashes.result import Clashes
-from feeler.clashes.tracking import derived_id
+from feeler.clashes.tracking import Found, derived_id
 from feeler.errors import LoadError, MissingFileError
 
 MOST_BYTES = 1 << 30
@@ -158,7 +158,7 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
                     status, by = said.status, "" if author == SYSTEM else author
             after = replace(before, note=noted(note, topic))
             if status is not None and status != before.status and before.status != "resolved":
-                clashes.marks.set(each, status, finder.depth(each), by, after.note)
+                clashes.marks.set(each, status, finder.found(each), by, after.note)
                 statuses.append(each)
             elif after != before:
                 clashes.marks.put(each, after)
@@ -215,7 +215,7 @@ class _Finder:
     def __init__(self, clashes: Clashes) -> None:
         self._ids = set(clashes.ids)
         self._row = {each: row for row, each in enumerate(clashes.ids)}
-        self._depths = clashes.signed_depths
+        self._found = clashes.found()
         self._groups: dict[str, tuple[str, ...]] = {}
         for by in GROUPS_BY:
             for group in clashes.groups(by):
@@ -237,9 +237,9 @@ class _Finder:
         """Whether a finding has this id."""
         return each in self._ids
 
-    def depth(self, each: str) -> float:
-        """The signed depth of a finding."""
-        return float(self._depths[self._row[each]])
+    def found(self, each: str) -> Found:
+        """What `diff` compares of a finding."""
+        return self._found[self._row[each]]
 
 
 @dataclass
@@ -314,10 +314,8 @@ class _Archive:
             path = f"{folder}/{name}"
             if path not in self._members:
                 continue
-            for selection in self._document(path).every("Selection"):
-                found = [each.said("AuthoringToolId") for each in selection.every("Component")]
-                return tuple(dict.fromkeys(each for each in found if each))
-            return ()
+            found = [each.said("AuthoringToolId") for each in _selected(self._document(path))]
+            return tuple(dict.fromkeys(each for each in found if each))
         return ()
 
     def _document(self, member: str) -> _Element:
@@ -366,6 +364,14 @@ class _Archive:
                 if size > MOST_MEMBER_BYTES or self._unpacked > MOST_UNPACKED_BYTES:
                     raise self.fail(f"{member!r} unpacks to more than a BCF file needs: it was not opened")
                 yield block
+
+
+def _selected(viewpoint: _Element) -> list[_Element]:
+    """The components that a viewpoint selects. BCF 2.0 has no list of them: each component has a mark of its own."""
+    for selection in viewpoint.every("Selection"):
+        return [*selection.every("Component")]
+    marked = viewpoint.every("Component")
+    return [each for each in marked if each.attributes.get("Selected", "").strip().lower() in ("true", "1")]
 
 
 def _comment(element: _Element) -> Comment:

@@ -127,9 +127,9 @@ def _carried(
     after = {}
     aside = known[0].table.marks.aside
     rows = zip(now.rules.tolist(), now.parts_a.tolist(), now.parts_b.tolist(), strict=True)
-    for each_id, depth, (rule, a, b) in zip(now.ids, now.signed_depths.tolist(), rows, strict=True):
+    for each_id, found, (rule, a, b) in zip(now.ids, now.found(), rows, strict=True):
         known_mark = before.get(_pair(rule, keys[a], keys[b]), aside.get(each_id))
-        after[each_id] = followed(known_mark, depth, growth)
+        after[each_id] = followed(known_mark, found, growth)
     return after, left
 
 

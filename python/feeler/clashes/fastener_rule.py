@@ -1,7 +1,8 @@
 """Finds the parts that `fasteners = true` means, by name and by shape.
 
 The last noun of the name decides: "hex bolt", "Mutter M8" and "DIN 912 M8x30" are fasteners, "nut housing" and "lead
-screw" are not. If the name does not tell, the shape decides, as in `feeler.find_fasteners`.
+screw" are not. In French, Italian and Spanish it is the first, with a size or known words behind: "Vis CHC M6",
+"Rondelle plate". If the name does not tell, the shape decides, as in `feeler.find_fasteners`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,26 @@ NOUNS = (
 SIZED = "scheibe scheiben pin pins stift"
 """Nouns that name a fastener only beside the size of a thread, such as "Scheibe M8"."""
 
+FIRST = (
+    "vis vite viti tornillo tornillos tuerca tuercas arandela arandelas remache remaches rondelle rondelles rondella "
+    "ecrou ecrous boulon boulons bullone bulloni dado dadi"
+)
+"""Nouns for fasteners in languages in which they come first, without accents."""
+
+DESCRIBING = (
+    "tete tetes chc fhc btr cbhc hexagonale hexagonal hexagonaux pans creux fraisee bombee cylindrique autoforeuse "
+    "autotaraudeuse inox acier zingue zinguee plate plates eventail frein ressort papillon borgne epaulee grower testa "
+    "tcei tspei tbei tcce esagonale esagonali svasata cilindrica bombata zincato zincata autofilettante piana piane "
+    "elastica dentellata autobloccante cieco flangiato cabeza allen avellanado avellanada hexagonales autorroscante "
+    "autoblocante inoxidable plana planas mariposa ciega"
+)
+"""Words behind such a noun that describe a fastener."""
+
+MOVING = (
+    "mere sans bille billes trapezoidale archimede senza ricircolo sfere trapezia manovra sin bolas potencia arquimedes"
+)
+"""Words behind such a noun that make it a machine element, such as "vis sans fin"."""
+
 QUALIFIERS = "lead ball feed worm power jack acme drive extruder propeller archimedes leit kugel vorschub pressure car"
 """Words before a noun that make it another machine element, such as "lead screw"."""
 
@@ -52,11 +73,15 @@ _THREAD = re.compile(r"(?<![a-z0-9])m\d+(?:[.,]\d+)?(?: ?x ?\d+(?:[.,]\d+)?)?(?!
 _THREAD_AND_LENGTH = re.compile(r"(?<![a-z0-9])m\d+(?:[.,]\d+)? ?x ?\d+", re.IGNORECASE)
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
+_FACING = re.compile(r"(?<![a-z])vis[ _-]*a[ _-]*vis(?![a-z])", re.IGNORECASE)
+"""French for "face to face"."""
+
 _NAMELESS = re.compile(r"(body|solid|shell|part|mesh|shape|compound|object|volume)?[ _#-]*\d*", re.IGNORECASE)
 """Default names of CAD systems for solids: the parent has the meaningful name."""
 
 _NOUNS = frozenset([*NOUNS.split(), *" ".join(KINDS.values()).split()])
 _SIZED, _QUALIFIERS, _NEUTRAL = frozenset(SIZED.split()), frozenset(QUALIFIERS.split()), frozenset(NEUTRAL.split())
+_FIRST, _DESCRIBING, _MOVING = frozenset(FIRST.split()), frozenset(DESCRIBING.split()), frozenset(MOVING.split())
 _PREPOSITIONS = frozenset(PREPOSITIONS.split())
 _STANDARD_NUMBERS = frozenset([*MORE_STANDARDS.split(), *" ".join(STANDARDS.values()).split()])
 _OTHERS = frozenset(OTHERS.split()) - _NOUNS - _SIZED
@@ -96,7 +121,9 @@ def is_fastener(path: str) -> bool | None:
     if _NAMELESS.fullmatch(name):
         name = folder.rpartition("/")[2]
     plain = "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
-    words = [word.lower() for word in _WORD.findall(_THREAD.sub(" ", plain))]
+    words = [word.lower() for word in _WORD.findall(_THREAD.sub(" ", _FACING.sub(" ", plain)))]
+    if words and words[0] in _FIRST and not _MOVING.isdisjoint(words):
+        return False
     words = [word for word in words if len(word) > 2 or word in _PREPOSITIONS]
     for place, word in enumerate(words):
         if place and word in _PREPOSITIONS:
@@ -104,6 +131,8 @@ def is_fastener(path: str) -> bool | None:
             break
     words = [word for word in words if word not in _NEUTRAL]
     last = words[-1] if words else ""
+    if words and words[0] in _FIRST and (last in _DESCRIBING or (last not in _OTHERS and _is_described(plain, words))):
+        return True
     if last in _OTHERS or (last in _NOUNS and not _QUALIFIERS.isdisjoint(words[:-1])):
         return False
     numbers = [match.group(1) for match in _STANDARD.finditer(plain)]
@@ -112,3 +141,8 @@ def is_fastener(path: str) -> bool | None:
     if _THREAD.search(plain) and (last in _SIZED or (not last and _THREAD_AND_LENGTH.search(plain))):
         return True
     return None
+
+
+def _is_described(plain: str, words: Sequence[str]) -> bool:
+    """Whether a size, or words that describe a fastener, follow its noun."""
+    return _THREAD.search(plain) is not None or not _DESCRIBING.isdisjoint(words[1:])

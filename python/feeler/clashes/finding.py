@@ -31,6 +31,8 @@ from feeler.scene import Scene
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
 _STAGES = ("finding colliding parts", "measuring clearances", "measuring depths")
+_LARGEST_M = 1e40
+"""Largest coordinate of a check. Beyond 1e47 m depths overflow: they need products of several lengths."""
 _INDEXED, _FOUND = 0.2, 0.9  # share of the progress when the index, and when the pairs are done
 
 
@@ -74,12 +76,14 @@ def clash(
 
     The result does not depend on the number of threads. docs/clash.md explains verdicts and depths. Memory: the index;
     trees for depths, 130 bytes a triangle, of at most 2^22 triangles or two of the largest part; 165 bytes a finding;
-    up to 80 MB for rules. Raises `OptionError` for invalid limits, rules and names, `MissingFileError` and `LoadError`
-    for the file of rules, and at Ctrl-C `ClashInterrupted`, a `KeyboardInterrupt` that holds the findings so far.
+    up to 80 MB for rules. Raises `OptionError` for invalid limits, rules and names, `MeshError` for coordinates beyond
+    1e40 m, `MissingFileError` and `LoadError` for the file of rules, and at Ctrl-C `ClashInterrupted`, a
+    `KeyboardInterrupt` that holds the findings so far. Before there can be findings, Ctrl-C is a `KeyboardInterrupt`.
     """
     given: object = mockup
     if not isinstance(given, Mockup):
         raise MeshError(f"clash needs a feeler.Mockup, not {type(given).__name__}")
+    _check_size(mockup)
     if not isinstance(scene, (Scene, type(None))):
         raise OptionError(f"scene is {scene!r}: give a feeler.Scene of the mock-up, or leave it out")
     check_progress(progress)
@@ -143,6 +147,18 @@ def clash(
         except KeyboardInterrupt:
             raise ClashInterrupted(clashes) from None
     return clashes
+
+
+def _check_size(mockup: Mockup) -> None:
+    """Raises `MeshError` for coordinates beyond `_LARGEST_M`. Parts without queried triangles have infinite bounds."""
+    largest = np.abs(mockup.part_bounds).reshape(mockup.part_count, -1).max(axis=1, initial=0.0)
+    is_large = np.isfinite(largest) & (largest > _LARGEST_M)
+    if is_large.any():
+        part = int(np.argmax(is_large))
+        raise MeshError(
+            f"part {mockup.part_paths[part]!r} has coordinates of {largest[part]:.3g} m, and a clash check takes up to "
+            f"{_LARGEST_M:g} m: check the unit"
+        )
 
 
 def checked_limits(clearance: float, contact: float | Chord, volume: bool) -> tuple[float, float | Chord]:

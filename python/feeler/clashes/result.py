@@ -45,15 +45,17 @@ class Clashes(Table):
 
         Findings of both checks keep their status, except that new becomes active. Findings that did not exist, or were
         resolved, are new. Findings that are gone are resolved. An approved finding is new again if it is more than
-        `growth` metres deeper than when it was approved. A partial check resolves nothing. Findings of parts that this
+        `growth` metres deeper than when it was approved, beyond the error of the depth, if it became a duplicate, or
+        if thin walls that did not overlap now clash. A partial check resolves nothing. Findings of parts that this
         check did not look at, and those that a rule hides, keep their status in `earlier()` for the next check.
 
         Parts match by path, even if they moved. If a path is gone (a file, root or sub-assembly was renamed, a level
-        added), or several parts have it, parts match by shape and place: another meshing, small motions, or another
-        place of the whole assembly do not matter. `changed` of such findings is "renamed" or "renumbered", and
-        `Changes.parts` counts the parts. Findings become new if their rule is renamed, if a part is renamed and also
-        moved alone or reshaped, and if one of several parts of one path moves by more than half its size. Raises
-        `LoadError` if no part of the previous findings is in this mock-up, by path or by shape.
+        added), or several parts have it, parts match by shape and place: another meshing, small motions, or a shift of
+        the whole assembly do not matter. If it was turned as a whole, such parts do not match. `changed` of findings
+        that match so is "renamed" or "renumbered", and `Changes.parts` counts the parts. Findings become new if their
+        rule is renamed, if a part is renamed and also moved alone or reshaped, and if one of several parts of one path
+        moves by more than half its size. Raises `LoadError` if no part of the previous findings is in this mock-up, by
+        path or by shape.
         """
         parts = compare(self, previous, growth)
         found = {name: self.where(status=name) for name in ("new", "active", "reviewed", "approved")}
@@ -62,10 +64,11 @@ class Clashes(Table):
     def with_rules(self, rules: RulesLike | None, mockup: Mockup | None = None) -> Clashes:
         """Applies other rules to these findings, without another check: to try rules on saved findings.
 
-        rules: as in `feeler.clash`. mockup: the one that was checked, to find fasteners by shape; None: by name alone.
-        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` is counted
-        again. `facts.notes` lists what needs another check: pairs that were hidden, pairs beyond the clearance of the
-        check, and verdicts that depend on more than the depth. Raises errors as `feeler.clash` does.
+        rules: as in `feeler.clash`. mockup: the one that was checked, to find fasteners by shape, also for loaded
+        findings; None: by name alone. Verdicts, severities and ids follow the new rules, statuses stay with their
+        pairs, and `hidden` is counted again. It also counts findings that `others = false` leaves out; a check does not
+        look for these. `facts.notes` lists what needs another check: pairs that were hidden, pairs beyond the clearance
+        of the check, and verdicts that depend on more than the depth. Raises errors as `feeler.clash` does.
         """
         return with_rules(self, rules_from(rules), mockup)
 

@@ -8,12 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes.fastener_rule import shape_of
+from feeler.arguments import check_kind
+from feeler.clashes.fastener_rule import Shaped, shape_of
 from feeler.clashes.limits import Limits, limits, unmatched
 from feeler.clashes.rules import Rule, Rules
 from feeler.clashes.scope import Scope
-from feeler.clashes.table import AnyTable, Columns, Table, check_same
+from feeler.clashes.table import AnyTable, Columns, Table
+from feeler.clashes.tracking import part_keys
 from feeler.clashes.verdict import DEFAULT_RULE, DEPTH_KINDS, Verdict
+from feeler.errors import OptionError
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.words import length
@@ -34,8 +37,6 @@ _WALL_MIDDLE = 0.98
 
 def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTable:
     """See `Clashes.with_rules`."""
-    if mockup is not None:
-        check_same(mockup, clashes)
     found, notes = _limits(clashes, rules, mockup)
     rule = found.rule_of(clashes.parts_a, clashes.parts_b)
     hidden_by = np.where(rule < 0, len(found.hiding), found.hidden_by(clashes.parts_a, clashes.parts_b))
@@ -104,10 +105,24 @@ def _limits(clashes: Table, rules: Rules, mockup: Mockup | None) -> tuple[Limits
                 f"rule {each.name!r} asks for {length(asked)}, but some pairs were checked only within "
                 f"{length(least)}: farther ones are missing. Check the mock-up again with this rule"
             )
-    shaped = None if mockup is None else shape_of(mockup)
+    shaped = None if mockup is None else _shaped(clashes, mockup)
     none = np.empty((0, 2), dtype=np.uint32)
     least_contact = facts.least_contact
     return limits(rules, parts, paths, facts.clearance, 0.0, 0.0, none, shaped, least_contact), notes
+
+
+def _shaped(clashes: Table, mockup: Mockup) -> Shaped:
+    """Finds fasteners by shape among the parts of the findings; loaded ones have only some of the mock-up's parts."""
+    check_kind("mockup", mockup, Mockup)
+    known = {key: part for part, key in enumerate(part_keys(mockup.part_paths))}
+    missing = [key for key in clashes.keys if key not in known]
+    if missing:
+        raise OptionError(
+            f"the clashes are of other parts than the mock-up's, such as {missing[0]!r}: give the mock-up that was "
+            "checked"
+        )
+    parts, shaped = np.array([known[key] for key in clashes.keys], dtype=np.intp), shape_of(mockup)
+    return lambda: shaped()[parts]
 
 
 def _least_reach(clashes: Table) -> float:

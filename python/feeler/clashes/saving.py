@@ -8,7 +8,8 @@ A finding has the fields of `Clash`, with the keys of its parts instead of part 
 line. Lines are sorted by rule and parts, so a git diff shows only changes. `feeler clash --json` has the same fields in
 the order of the table; `feeler view` reads both. Shapes are stored for parts with findings and for parts with equal
 paths; files without shapes can be read. Older files have no `depth_error`, and their depths are lengths of a
-translation: `load_clashes` reads them as estimates and keeps approvals.
+translation: `load_clashes` reads them as estimates and keeps approvals. Files without `approved_error` and
+`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file.
 """
 
 from __future__ import annotations
@@ -25,7 +26,15 @@ from feeler.arguments import check_path
 from feeler.atomic import atomic_file
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
-from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
+from feeler.clashes.tracking import (
+    STATUSES,
+    Mark,
+    Marks,
+    approval_json,
+    approval_of_json,
+    clash_id,
+    part_keys,
+)
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import text_of
@@ -61,7 +70,6 @@ def rows(clashes: Table) -> Iterator[dict[str, Any]]:
     """The findings in the order of the table, with None for NaN."""
     keys = part_keys(clashes.part_paths)
     for clash in clashes:
-        approved = clashes.marks.of(clash.id).approved_depth
         yield {
             "id": clash.id,
             "rule": clash.rule,
@@ -72,7 +80,7 @@ def rows(clashes: Table) -> Iterator[dict[str, Any]]:
             "status": clash.status,
             **({"by": clash.by} if clash.by else {}),
             **({"note": clash.note} if clash.note else {}),
-            **({"approved_depth": approved} if approved is not None else {}),
+            **approval_json(clashes.marks.of(clash.id)),
             **({"changed": clash.changed} if clash.changed else {}),
             "depth": _number(clash.depth),
             "depth_error": _number(clash.depth_error),
@@ -266,21 +274,23 @@ class _Reader(Generic[AnyTable]):
             raise ValueError(f"status is {status!r}")
         if line["verdict"] not in list(Verdict):
             raise ValueError(f"verdict is {line['verdict']!r}")
-        approved = line.get("approved_depth")
+        approval = approval_of_json(line)
+        if status == "approved" and approval["approved_verdict"] is None:  # an older file
+            approval["approved_verdict"] = line["verdict"]
         is_old = "depth_error" not in line
         kind = line["depth_kind"]
         if is_old and kind in _OLD_KINDS:
             # The old depth is an upper bound of the new one, so its approval stays valid. The depth of a contact was
             # not stored, and an estimate may be too small: there the next check sets the approved depth.
             if kind == "estimate" or (line["verdict"] == "contact" and line["gap"] == 0.0):
-                approved = None
+                approval["approved_depth"] = None
             kind = "estimate"
         marks[line["id"]] = Mark(
             status,
             str(line.get("by", "")),
             str(line.get("note", "")),
-            None if approved is None else _real(approved, "approved_depth"),
-            str(line.get("changed", "")),
+            changed=str(line.get("changed", "")),
+            **approval,
         )
         triangles = int(line["triangles"])
         if not 0 <= triangles < _TRIANGLE_PAIRS:

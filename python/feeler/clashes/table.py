@@ -15,8 +15,8 @@ from feeler.arguments import check_kind, check_text, check_word, shown
 from feeler.choices import Chord, DepthKind, SettableStatus, Severity, Status, VerdictName
 from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
-from feeler.clashes.tracking import STATUSES, Marks, clash_id, part_keys
-from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
+from feeler.clashes.tracking import STATUSES, Found, Marks, clash_id, part_keys
+from feeler.clashes.verdict import DEFAULT_RULE, DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
@@ -57,7 +57,8 @@ class Clash:
     point_b: Point
     """The point of `b` that corresponds to `point_a`."""
     volume: float
-    """The shared volume, cubic metres; NaN if it was not measured, or if a part is open."""
+    """The shared volume, cubic metres, at most the smaller part; NaN if it was not measured, if a part is open, or if
+    its surfaces do not say what is inside."""
     triangles: int
     """The number of colliding pairs of triangles."""
     box: tuple[Point, Point]
@@ -324,6 +325,23 @@ class Table(OldAttributes, Sequence[Clash]):
         return np.where(self.depths > 0.0, self.depths, -self.gaps)
 
     @property
+    def are_thin(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether it is a clash at most as deep as the `contact` of its rule, by the rule of thin walls."""
+        contacts = {name: contact for name, _, contact in self.facts.rules}
+        known = {
+            DEFAULT_RULE: self.facts.contact if isinstance(self.facts.contact, (int, float)) else np.nan
+        } | contacts
+        contact = np.array([*(known.get(name, known[DEFAULT_RULE]) for name in self.rule_names), np.nan])
+        is_clash: npt.NDArray[np.bool_] = self.columns.verdict == Verdict.CLASH.code
+        return is_clash & (self.depths <= contact[self.columns.rule])
+
+    def found(self) -> list[Found]:
+        """What `diff` compares of each row."""
+        columns = (self.signed_depths, self.depth_errors, self.verdicts, self.are_thin)
+        rows = zip(*(each.tolist() for each in columns), strict=True)
+        return [Found(depth, error, verdict, is_thin) for depth, error, verdict, is_thin in rows]
+
+    @property
     def triangles(self) -> npt.NDArray[np.uint32]:
         """`(n,)`: the number of colliding pairs of triangles."""
         return self.columns.triangles
@@ -485,14 +503,14 @@ class Table(OldAttributes, Sequence[Clash]):
     def set_status(self, clash: str, status: SettableStatus, *, by: str = "", note: str = "") -> None:
         """Sets the status of a finding: `"new"`, `"active"`, `"reviewed"` or `"approved"`. by, note: who, and why.
 
-        `clash` is the id of the finding. An approval holds for the current depth: see `diff`. Raises `OptionError` for
-        another status, and for an id that is not in the table.
+        `clash` is the id of the finding. An approval holds for the current depth and verdict: see `diff`. Raises
+        `OptionError` for another status, and for an id that is not in the table.
         """
         given: object = clash
         if not isinstance(given, str) or clash not in self._row_of:
             raise OptionError(f"there is no clash {shown(clash)} in this table: give one of its ids")
         row = self._row_of[clash]
-        self.marks.set(clash, status, float(self.signed_depths[row]), by, note)
+        self.marks.set(clash, status, self[row : row + 1].found()[0], by, note)
 
     @cached_property
     def _row_of(self) -> dict[str, int]:

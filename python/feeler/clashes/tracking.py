@@ -7,14 +7,16 @@ coordinates. A status belongs to an id.
 from __future__ import annotations
 
 import json
+import math
 import uuid
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from feeler import choices
 from feeler.arguments import check_text, check_word
-from feeler.choices import Status
+from feeler.choices import Status, VerdictName
+from feeler.clashes.verdict import Verdict
 from feeler.errors import OptionError
 
 STATUSES = choices.STATUSES
@@ -28,6 +30,12 @@ DEPTH_GROWTH_M = 1e-4
 surfaces can change a depth by this much. Larger: deeper clashes go unnoticed. Smaller: every new export of a file needs
 approvals again."""
 
+APPROVAL = ("approved_depth", "approved_error", "approved_verdict")
+"""The fields of a `Mark` that an approval has."""
+
+_ERROR_SHARE, _LEAST_ERROR_M = 1e-3, 1e-9
+"""The largest error of a measured depth, as a share and in metres: for approvals of older files, which lack it."""
+
 _NAMESPACE = uuid.UUID("14e5acf5-0b61-45c2-bc05-5a908cb2fbed")
 
 
@@ -36,9 +44,10 @@ class Mark:
     """The status of one finding.
 
     status: one of `STATUSES`. by, note: who set it and why, or empty. approved_depth: the signed depth (metres; a gap
-    is negative) at which it was approved; None if it was not, or if the next `diff` must set it. changed: "renamed" if
-    the last `diff` found a part under another path, "renumbered" if only its number among equal paths changed, else
-    empty.
+    is negative) at which it was approved; None if it was not, or if the next `diff` must set it. approved_error: how
+    much larger that depth can be, metres; approved_verdict: the verdict then; None if an older file lacks them.
+    changed: "renamed" if the last `diff` found a part under another path, "renumbered" if only its number among equal
+    paths changed, else empty.
     """
 
     status: Status = "new"
@@ -46,9 +55,32 @@ class Mark:
     note: str = ""
     approved_depth: float | None = None
     changed: str = ""
+    approved_error: float | None = None
+    approved_verdict: VerdictName | None = None
 
 
 NEW = Mark()
+
+
+class Found(NamedTuple):
+    """What `followed` compares between checks.
+
+    depth: signed, metres. error: how much larger it can be; NaN if not known. is_thin: a clash by the rule of thin
+    walls, whatever its depth.
+    """
+
+    depth: float
+    error: float
+    verdict: VerdictName
+    is_thin: bool = False
+
+
+def approved(mark: Mark, found: Found | None) -> Mark:
+    """The mark as an approval of what was found; None: without an approval."""
+    if found is None:
+        return replace(mark, approved_depth=None, approved_error=None, approved_verdict=None)
+    error = found.error if math.isfinite(found.error) else 0.0
+    return replace(mark, approved_depth=found.depth, approved_error=error, approved_verdict=found.verdict)
 
 
 def mark_json(mark: Mark) -> dict[str, Any]:
@@ -57,20 +89,39 @@ def mark_json(mark: Mark) -> dict[str, Any]:
         "status": mark.status,
         **({"by": mark.by} if mark.by else {}),
         **({"note": mark.note} if mark.note else {}),
-        **({"approved_depth": mark.approved_depth} if mark.approved_depth is not None else {}),
+        **approval_json(mark),
     }
+
+
+def approval_json(mark: Mark) -> dict[str, Any]:
+    """What a mark has of an approval, as files have it, without what is not known."""
+    known = {name: getattr(mark, name) for name in APPROVAL}
+    return {name: value for name, value in known.items() if value is not None}
 
 
 def mark_of_json(data: Mapping[str, Any]) -> Mark:
     """The mark of `mark_json`. Raises `ValueError` for anything else."""
-    status, by, note, depth = (data.get(name) for name in ("status", "by", "note", "approved_depth"))
+    status, by, note = (data.get(name) for name in ("status", "by", "note"))
     if status not in STATUSES:
         raise ValueError(f"a finding has a status that does not exist ({status!r:.60})")
     if not all(text is None or isinstance(text, str) for text in (by, note)):
         raise ValueError("a note is not text")
-    if depth is not None and (isinstance(depth, bool) or not isinstance(depth, (int, float)) or not abs(depth) < 1e100):
-        raise ValueError("the depth of an approval is not a number")
-    return Mark(cast("Status", status), by or "", note or "", None if depth is None else float(depth))
+    return Mark(cast("Status", status), by or "", note or "", **approval_of_json(data))
+
+
+def approval_of_json(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of `Mark` for an approval in a file. Raises `ValueError` if one is invalid."""
+    found: dict[str, Any] = {}
+    for name in APPROVAL[:2]:
+        length = data.get(name)
+        is_number = isinstance(length, (int, float)) and not isinstance(length, bool) and abs(length) < 1e100
+        if length is not None and not is_number:
+            raise ValueError(f"{name} is {length!r:.60}, not a length")
+        found[name] = None if length is None else float(length)
+    verdict = data.get(APPROVAL[2])
+    if verdict is not None and verdict not in list(Verdict):
+        raise ValueError(f"{APPROVAL[2]} is {verdict!r:.60}")
+    return {**found, APPROVAL[2]: verdict}
 
 
 def part_keys(paths: Sequence[str]) -> list[str]:
@@ -118,19 +169,14 @@ class Marks:
         """The mark of a finding."""
         return self._by_id.get(clash, NEW)
 
-    def set(self, clash: str, status: object, depth: float, by: object, note: object) -> None:
+    def set(self, clash: str, status: object, found: Found, by: object, note: object) -> None:
         """Sets the status of a finding. Raises `OptionError` for another status, or if `by` or `note` is not text."""
         if isinstance(status, str) and status == "resolved":
             raise OptionError(f"status is 'resolved', which only diff sets: choose {', '.join(SETTABLE)}")
         by = check_text("by", by, "text: who set the status")
         note = check_text("note", note, "text: why")
-        self._by_id[clash] = Mark(
-            check_word("status", status, SETTABLE),
-            by,
-            note,
-            depth if status == "approved" else None,
-            self.of(clash).changed,
-        )
+        mark = Mark(check_word("status", status, SETTABLE), by, note, changed=self.of(clash).changed)
+        self._by_id[clash] = approved(mark, found if status == "approved" else None)
 
     def put(self, clash: str, mark: Mark) -> None:
         """Replaces the mark of a finding."""
@@ -141,17 +187,35 @@ class Marks:
         self._by_id = dict(marks)
 
 
-def followed(before: Mark | None, depth: float, growth: float) -> Mark:
+def followed(before: Mark | None, now: Found, growth: float) -> Mark:
     """The mark of a finding, given its mark in the previous check; None: it did not exist."""
     if before is None or before.status == "resolved":
         return NEW
     if before.status == "approved":
-        was = before.approved_depth
-        if was is None:  # from an older file, with another definition of depth
-            return replace(before, approved_depth=depth)
-        if depth > was + growth:
-            grown = f"approved at {was:.6g} m, and now {depth:.6g} m deep"
-            note = f"{before.note}; {grown}" if before.note else grown
-            return replace(before, status="new", note=note, approved_depth=None)
-        return before
+        if before.approved_depth is None:  # from an older file, with another definition of depth
+            return approved(before, now)
+        if why := _worse(before, now, growth):
+            note = f"{before.note}; {why}" if before.note else why
+            return approved(replace(before, status="new", note=note), None)
+        return before if before.approved_verdict else replace(before, approved_verdict=now.verdict)
     return replace(before, status="active") if before.status == "new" else before
+
+
+def _worse(before: Mark, now: Found, growth: float) -> str:
+    """Why an approval ends, in words; empty if it does not.
+
+    The depth must have grown for certain: its lower bound now is above the upper bound of then. Where the depth does
+    not say how bad a finding is, the verdict counts: duplicates, and thin walls that came to cross.
+    """
+    then, verdict = before.approved_depth or 0.0, before.approved_verdict
+    error = max(_ERROR_SHARE * then, _LEAST_ERROR_M) if before.approved_error is None else before.approved_error
+    if now.depth > then + error + growth:
+        return f"approved at {then:.6g} m, and now {now.depth:.6g} m deep"
+    is_duplicate = now.verdict == "duplicate"
+    if verdict is not None and verdict != now.verdict and (is_duplicate or (now.is_thin and verdict in _APART)):
+        return f"approved as {verdict}, and now {now.verdict}"
+    return ""
+
+
+_APART = ("contact", "clearance")
+"""Verdicts of parts that do not share volume beyond their tolerance."""

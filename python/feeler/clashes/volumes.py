@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core
+from feeler.clashes.solids import shared_volume, solid_of
 from feeler.clashes.verdict import OVERLAPS
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
@@ -40,7 +40,7 @@ def shared_volumes(
     """The shared volume of each pair, `(n,)`, cubic metres.
 
     0 for contacts and clearances. NaN if a part is open, or if manifold3d rejects it: its surface intersects itself, or
-    an edge has more than two triangles.
+    an edge has more than two triangles. Never negative, and never more than the smaller part.
     """
     solids = _Solids(mockup, solids_library())
     are_closed = ~is_open.any(axis=1)
@@ -49,7 +49,7 @@ def shared_volumes(
     # Sorted by part, so that a solid is built once for all its pairs.
     for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
         one, other = solids.of(int(a[row])), solids.of(int(b[row]))
-        found[row] = math.nan if one is None or other is None else float((one ^ other).volume())
+        found[row] = math.nan if one is None or other is None else shared_volume(one, other)
         if progress is not None and number % 64 == 0:
             progress(number / len(wanted), f"volume {number:,} of {len(wanted):,}")
     return found
@@ -70,21 +70,10 @@ class _Solids:
             self._kept.move_to_end(part)
             return self._kept[part][0]
         corners = self._meshes.corners(part)
-        solid = self._made(corners)
+        solid = solid_of(self._library, corners, self._middle)
         self._kept[part] = (solid, len(corners))
         self._held += len(corners)
         while self._held > _KEPT_TRIANGLES and len(self._kept) > 2:
             _, (_, size) = self._kept.popitem(last=False)
             self._held -= size
         return solid
-
-    def _made(self, corners: npt.NDArray[np.float64]) -> Any:
-        vertices, index = _core.weld_vertices(np.ascontiguousarray(corners.reshape(-1, 3)))
-        faces = index.reshape(-1, 3).astype(np.uint64)
-        # A triangle with two equal corners is a line. Its neighbours share that edge, so it can go.
-        faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-        solid = self._library.Manifold(self._library.Mesh64(vertices - self._middle, faces))
-        if solid.status() == self._library.Error.NoError and solid.volume() < 0.0:
-            # A mirrored part is wound inwards: flip it.
-            solid = self._library.Manifold(self._library.Mesh64(vertices - self._middle, faces[:, ::-1]))
-        return solid if solid.status() == self._library.Error.NoError and solid.volume() > 0.0 else None

@@ -233,9 +233,14 @@ def stated_colours(mesh: Any, parts: int) -> FloatArray | None:
     return np.clip(table, 0.0, 1.0)
 
 
+def _bytes(name: str) -> bytes:
+    """A name as UTF-8; lone surrogates, which it cannot store, become question marks."""
+    return name.encode("utf-8", "replace")
+
+
 def _palette(colours: Any, paths: tuple[str, ...]) -> tuple[FloatArray, IntArray]:
     # A colour per assembly (all but the last name of the path); crc32, because hash() changes between runs.
-    groups = np.array([zlib.crc32(path.rpartition("/")[0].encode() or path.encode()) for path in paths], dtype=np.int64)
+    groups = np.array([zlib.crc32(_bytes(path.rpartition("/")[0] or path)) for path in paths], dtype=np.int64)
     groups %= len(_MATERIALS)
     if colours is None:
         return np.array(_MATERIALS), groups

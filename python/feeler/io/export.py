@@ -224,7 +224,8 @@ class _Document:
             )
         if self.animation["channels"]:
             document["animations"] = [self.animation]
-        text = json.dumps(document, separators=(",", ":")).encode()
+        # Lone surrogates in names, which no reader takes, become question marks.
+        text = json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode("utf-8", "replace")
         text += b" " * (-len(text) % 4)
         padding = b"\0" * (-offset % 4)
         total = 12 + 8 + len(text) + ((8 + offset + len(padding)) if offset else 0)

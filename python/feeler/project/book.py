@@ -13,7 +13,7 @@ from feeler.atomic import check_target
 from feeler.choices import GroupBy
 from feeler.clashes import saving
 from feeler.clashes.result import Clashes
-from feeler.clashes.tracking import Mark, mark_of_json
+from feeler.clashes.tracking import APPROVAL, Mark, mark_of_json
 from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 from feeler.project.layout import SUFFIX
@@ -29,7 +29,7 @@ from feeler.project.parts import (
 )
 from feeler.project.store import Change, Row, Store, drop, put
 
-_MARKED = ("status", "by", "note", "approved_depth")
+_MARKED = ("status", "by", "note", *APPROVAL)
 """What a mark has of `tracking.Mark`. The workbench adds the number of a group that was made by hand."""
 _NEW = {"status": "new"}
 _FACTS = ("version", "clearance", "contact", "parts", "triangles", "files", "hidden")

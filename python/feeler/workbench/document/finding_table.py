@@ -23,10 +23,10 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from feeler.choices import STATUSES, Status
+from feeler.choices import STATUSES, Status, VerdictName
 from feeler.clashes import Clashes, Verdict
 from feeler.clashes.table import SHAPES, Columns, Facts
-from feeler.clashes.tracking import Mark, part_keys
+from feeler.clashes.tracking import APPROVAL, Found, Mark, approval_of_json, approved, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES
 from feeler.errors import LoadError
 from feeler.mockup import Mockup
@@ -46,7 +46,7 @@ KINDS = ("", "measured", "estimate", "bound", "exact")
 _NO_PART = 2**32 - 1
 _KNOWN = {
     *("id", "a", "b", "verdict", "depth", "depth_error", "depth_kind", "translation", "gap", "point_a", "point_b"),
-    *("volume", "triangles", "box", "open", "rule", "severity", "status", "by", "note", "approved_depth", "changed"),
+    *("volume", "triangles", "box", "open", "rule", "severity", "status", "by", "note", "changed", *APPROVAL),
     "group",
 }
 Floats = npt.NDArray[np.float64]
@@ -152,13 +152,16 @@ class FindingTable:
         was: Status = STATUS[self.status[row]]
         before = self.marks.get(name, Mark(was))
         word = cast("Status", status.get(name, was))
-        # The person and the depth of an approval belong to the status of then.
-        by, approved = (before.by, before.approved_depth) if word == was else ("", None)
+        # The person and the approval belong to the status of then.
+        mark = replace(before, status=word, note=notes.get(name, before.note), by=before.by if word == was else "")
         if word != "approved":
-            approved = None
-        elif approved is None:
-            approved = _signed(self.depth[row], self.gap[row])
-        return Mark(word, by, notes.get(name, before.note), approved, before.changed)
+            return approved(mark, None)
+        return mark if word == was and mark.approved_depth is not None else approved(mark, self.found(row))
+
+    def found(self, row: int) -> Found:
+        """What `Clashes.diff` compares of a row."""
+        verdict = _known_verdict(self.verdicts[self.verdict[row]])
+        return Found(_signed(self.depth[row], self.gap[row]), float(self.depth_error[row]), verdict)
 
     def rows(self, chosen: npt.NDArray[Any], hidden: Mapping[str, int] | None = None) -> FindingTable:
         """Some of the rows, by a mask or by numbers."""
@@ -238,7 +241,7 @@ class FindingTable:
             "status": STATUS[self.status[row]],
             "by": mark.by,
             "note": mark.note,
-            "approved_depth": mark.approved_depth,
+            **{name: getattr(mark, name) for name in APPROVAL},
             "changed": mark.changed,
             "depth": _number(self.depth[row]),
             "depth_error": _number(self.depth_error[row]),
@@ -258,8 +261,7 @@ class FindingTable:
         """The findings of this mock-up's parts with these statuses and notes, for `feeler.clashes`. Others are left
         out."""
         known, kept = self.part_of_path, self.placed
-        of_word = {each.value: each.code for each in Verdict}
-        codes = np.array([of_word.get(word, _CODES.get(word, Verdict.CLASH.code)) for word in self.verdicts] or [0])
+        codes = np.array([_CODES.get(word, Verdict.CLASH.code) for word in self.verdicts] or [0])
         values = {
             "a": known[self.a[kept]],
             "b": known[self.b[kept]],
@@ -284,7 +286,8 @@ _PER_ROW = tuple(
     if each.name
     not in ("ids", "paths", "part_of_path", "verdicts", "rules", "groups", "marks", "hidden", "extras", "facts")
 )
-_CODES = {word: Verdict.CONTACT.code for word in TOUCHING}
+_CODES = {**dict.fromkeys(TOUCHING, Verdict.CONTACT.code), **{each.value: each.code for each in Verdict}}
+"""The number of the verdict that a word means; other words mean a clash."""
 
 
 def table_of(data: Any, parts: Parts, absent: Collection[int] = (), where: str = "findings") -> FindingTable:
@@ -424,8 +427,8 @@ class _Reader:
             STATUS[self._rows[-1][6]],
             _text(given.get("by")),
             _text(given.get("note")),
-            float(given["approved_depth"]) if is_number(given.get("approved_depth")) else None,
-            _text(given.get("changed")),
+            changed=_text(given.get("changed")),
+            **_approval(given),
         )
         if mark != Mark(mark.status):
             self._marks[name] = mark
@@ -512,6 +515,22 @@ def _verdict(depth: float, gap: float) -> str:
 
 def _signed(depth: float, gap: float) -> float:
     return -float(gap) if gap > 0.0 else float(depth) if math.isfinite(depth) else 0.0
+
+
+def _known_verdict(word: str) -> VerdictName:
+    """The verdict of feeler that a word means."""
+    return Verdict(_CODES.get(word, Verdict.CLASH.code)).value
+
+
+def _approval(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of `Mark` for the approval of a row; without what is invalid. Older files have no verdict in it."""
+    try:
+        found = approval_of_json(given)
+    except ValueError:
+        return {}
+    if given.get("status") == "approved" and found["approved_depth"] is not None and not found["approved_verdict"]:
+        found["approved_verdict"] = _known_verdict(_text(given.get("verdict")))
+    return found
 
 
 def _real(given: Any) -> float:
