@@ -178,6 +178,8 @@ class Fixings:
     def _is_kept_on(self, nut: Fastener, own: Tool, pipe: int) -> bool:
         """Whether a nut cannot be drawn off a part in its bore: a bend of it is in the way, near the nut or far."""
         alone = self.scene.only([pipe])
+        if not self._is_around(alone, nut, 0.0):
+            return False  # it lies on it
         step = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0]))
         if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), _along(nut, step), touching="free"):
             return True

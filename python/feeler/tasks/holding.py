@@ -20,7 +20,7 @@ from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
 from feeler.tasks.clamping import clamped_beside
 from feeler.tasks.cotters import cotters_of
-from feeler.tasks.passing import Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
+from feeler.tasks.passing import SEAT, Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
 from feeler.tasks.threaded_bodies import threaded_bodies
@@ -384,7 +384,7 @@ class _Holding:
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
         """What a head or a nut bears on, through its washers, also beside the shank."""
         height = row.length if row.kind == "nut" else row.head_height
-        if not np.isfinite(height) or not height > 0.0:
+        if not np.isfinite(height) or not height > SEAT * row.size:
             return []
         below, wide = self._face(row, washers)
         parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)

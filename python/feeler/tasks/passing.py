@@ -33,7 +33,8 @@ _THIN = 0.01  # of the length of a shank
 _NARROW, _FEW = 0.2, 5  # a share of the heights of a hole, and the least number of them
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
-_SEAT = 0.02  # a head bears on what is this near, in diameters
+SEAT = 0.02
+"""A head bears on what is this near, in diameters; one that is no higher is a cone, which bears in its hole."""
 _SEATED = 36  # rays around its axis
 _SEAT_SHARES = (0.1, 0.35, 0.6, 0.8, 0.95)  # where they begin, between the shank and the edge of the head
 _SEAT_LEAST = 0.08  # the share of them that hit a part
@@ -244,7 +245,8 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
         for part, at in own.items():
             (first, begins), (last, goes_on) = at[0], at[-1]
             is_turned = windings.is_inside_out(part)
-            if first >= tip:
+            # What ends at the top lies on a head that is flush, as a cone in its hole is.
+            if first >= tip or (begins == goes_on == is_turned and last <= above[n]):
                 continue
             down = -frames[n, :3, 2]
             if begins == is_turned:
@@ -305,7 +307,7 @@ def under(scene: Scene, row: Fastener, within: float) -> list[int]:
         return []
     wide = row.across_flats if np.isfinite(row.across_flats) and row.across_flats > row.size else 1.2 * row.size
     radius = 0.25 * (row.size + wide)
-    play = _SEAT * row.size  # what is flush is in it by rounding
+    play = SEAT * row.size  # what is flush is in it by rounding
     origins = row.frame[:3, 3] + (play - height) * row.axis + radius * (_ring() @ row.frame[:3, :3].T)
     hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=play + within)
     names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
@@ -330,7 +332,7 @@ def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
     """
     if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
         return []
-    play, ring = _SEAT * row.size, _ring(_SEATED) @ row.frame[:3, :3].T
+    play, ring = SEAT * row.size, _ring(_SEATED) @ row.frame[:3, :3].T
     found: dict[int, int] = {}
     for share in _SEAT_SHARES:
         radius = 0.5 * (row.size + share * (wide - row.size))

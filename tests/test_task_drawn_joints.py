@@ -1,0 +1,80 @@
+"""Joints as designers draw them: flush countersunk heads, lock nuts, set screws, spacers; what holds, and the plan."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import Mesh, box, joined, prism_ring
+from test_holding import FITTED, USUAL, at, only, plain, ring, tilted, union_nut
+
+import feeler
+from feeler.samples import hardware
+from feeler.samples.shapes import skin_loops
+from feeler.samples.tessellation import circle, hexagon
+
+LUMP = box((0.2, 0.0, 0.0), (0.21, 0.01, 0.01))
+"""Another part, so that not all that is left leaves."""
+
+
+def moved(mesh: Mesh, x: float = 0.0, z: float = 0.0) -> Mesh:
+    return mesh[0] + np.array([x, 0.0, z]), mesh[1]
+
+
+def rod(radius: float, low: float, high: float, sides: int = 32) -> Mesh:
+    return prism_ring(radius, 0.0, sides, low, high)
+
+
+def steps(task: feeler.Task) -> list[tuple[str, tuple[str, ...]]]:
+    return [(step.verb, tuple(sorted(step.paths))) for step in task.steps]
+
+
+def countersunk(length: float) -> Mesh:
+    """An M6 screw with its head's top at z = 0."""
+    loops = [circle(0.003, 32, -length), circle(0.003, 32, -0.003), circle(0.006, 32, 0.0)]
+    return plain(skin_loops([*loops, hexagon(0.004, 0.0), hexagon(0.004, -0.002)]))
+
+
+@pytest.mark.parametrize("sunk", [0.0, 0.00005])
+def test_what_lies_on_a_flush_countersunk_head_is_not_held_by_it(sunk: float) -> None:
+    """A wheel over a disc, whose screw is below the wheel."""
+    disc = skin_loops(
+        [circle(0.02, 32, -0.01), circle(0.02, 32, 0.0), circle(0.00605 + sunk, 32, 0.0)]
+        + [circle(0.00605, 32, -sunk), circle(0.0033, 32, -sunk - 0.0028), circle(0.0033, 32, -0.01)],
+        closed=True,
+    )
+    parts = {
+        "disc": joined(plain(disc), moved(ring(0.0045, -0.01, 0.0), 0.041)),
+        "disc screw": moved(countersunk(0.025), z=-sunk),
+        "wheel": joined(box((-0.02, -0.02, 0.0), (0.02, 0.02, 0.006)), moved(ring(0.0045, 0.0, 0.006), 0.041)),
+        "bolt": moved(plain(hardware.hex_bolt(0.008, 0.03, USUAL)), 0.041, 0.006),
+        "base": joined(ring(0.003, -0.03, -0.01), moved(ring(FITTED, -0.03, -0.01), 0.041)),
+    }
+    for seed in range(3):
+        found = feeler.holds(tilted(parts, seed))
+        assert only(found, "disc screw").paths == ("disc",), (seed, only(found, "disc screw").because)
+        assert only(found, "bolt").paths == ("wheel", "disc")
+    task = feeler.task(feeler.Scene(tilted(parts, 1)), "wheel", keep="base")
+    assert steps(task) == [("undo", ("bolt",)), ("take out", ("wheel",))], task.blocked
+
+
+@pytest.mark.parametrize(("thread", "flats", "height"), [(12, 17, 4), (20, 24, 3), (32, 36, 6)])
+def test_a_lock_nut_is_told_by_the_thread_in_its_bore(thread: float, flats: float, height: float) -> None:
+    """Wider in its bore than usual nuts: on a cable gland or a sensor."""
+    radius, wide, high = 0.0005 * thread, 0.001 * flats, 0.001 * height
+    parts = {
+        "panel": ring(radius + 0.0003, 0.0, 0.003, 0.06),
+        "gland": joined(ring(0.5 * radius, -0.015, 0.003, radius), ring(0.5 * radius, 0.003, 0.01, 0.6 * wide)),
+        "lock nut": union_nut(wide, radius + 0.00002, radius + 0.00002, -high, -0.5 * high, 0.0),
+    }
+    for name in ("lock nut", "part 7"):
+        named = {name: parts["lock nut"], **{key: parts[key] for key in ("panel", "gland")}}
+        for seed in range(2):
+            (row,) = feeler.holds(tilted(named, seed))
+            assert (row.path, row.paths, row.anchor_path) == (name, ("panel",), "gland"), row.because
+        task = feeler.task(feeler.Scene(tilted(named, 1)), "gland", keep="panel")
+        assert steps(task) == [("undo", (name,)), ("take out", ("gland",))], task.blocked
+    # Without a thread in it, it is a ring; so is one that is named so.
+    loose = {**parts, "part 7": parts["lock nut"], "gland": ring(0.4 * radius, -0.015, 0.01, 0.9 * radius)}
+    del loose["lock nut"]
+    assert not feeler.find_fasteners(tilted(loose, 1))
+    assert not feeler.find_fasteners(tilted({"panel": parts["panel"], "gland": parts["gland"], "ring": named[name]}, 1))
