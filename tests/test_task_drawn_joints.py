@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from shapes import Mesh, box, joined, prism_ring
-from test_holding import FITTED, USUAL, at, only, plain, ring, tilted, union_nut
+from test_holding import CLEAR, FITTED, USUAL, nut, only, plain, ring, tilted, union_nut
 
 import feeler
 from feeler.samples import hardware
@@ -37,11 +37,9 @@ def countersunk(length: float) -> Mesh:
 @pytest.mark.parametrize("sunk", [0.0, 0.00005])
 def test_what_lies_on_a_flush_countersunk_head_is_not_held_by_it(sunk: float) -> None:
     """A wheel over a disc, whose screw is below the wheel."""
-    disc = skin_loops(
-        [circle(0.02, 32, -0.01), circle(0.02, 32, 0.0), circle(0.00605 + sunk, 32, 0.0)]
-        + [circle(0.00605, 32, -sunk), circle(0.0033, 32, -sunk - 0.0028), circle(0.0033, 32, -0.01)],
-        closed=True,
-    )
+    outside = [(0.02, -0.01), (0.02, 0.0), (0.00605 + sunk, 0.0)]
+    hole = [(0.00605, -sunk), (0.0033, -sunk - 0.0028), (0.0033, -0.01)]
+    disc = skin_loops([circle(radius, 32, z) for radius, z in (*outside, *hole)], closed=True)
     parts = {
         "disc": joined(plain(disc), moved(ring(0.0045, -0.01, 0.0), 0.041)),
         "disc screw": moved(countersunk(0.025), z=-sunk),
@@ -78,3 +76,43 @@ def test_a_lock_nut_is_told_by_the_thread_in_its_bore(thread: float, flats: floa
     del loose["lock nut"]
     assert not feeler.find_fasteners(tilted(loose, 1))
     assert not feeler.find_fasteners(tilted({"panel": parts["panel"], "gland": parts["gland"], "ring": named[name]}, 1))
+
+
+def through_rod(nuts: int = 2) -> dict[str, Mesh]:
+    """A rod through a plate with a nut below it, and one above."""
+    above = plain(hardware.nut(0.008, USUAL))
+    parts = {"plate": ring(CLEAR, -0.01, 0.0, 0.04), "rod": rod(0.00384, -0.03, 0.03), "nut below": nut(-0.01)}
+    return {**parts, **({"nut above": above} if nuts > 1 else {})}
+
+
+@pytest.mark.parametrize(("name", "seed"), [("stud", 0), ("tie rod", 1)])
+def test_a_rod_is_not_drawn_through_its_nuts(name: str, seed: int) -> None:
+    """One nut is undone, the other leaves with it."""
+    parts = through_rod()
+    parts[name] = parts.pop("rod")
+    task = feeler.task(feeler.Scene(tilted(parts, seed)), name, keep="plate")
+    (first, second) = steps(task)
+    assert first in (("undo", ("nut above",)), ("undo", ("nut below",)))
+    left = {"nut above", "nut below"} - set(first[1])
+    assert second == ("take out", tuple(sorted({name, *left}))), steps(task)
+    task = feeler.task(feeler.Scene(tilted({**through_rod(1), "lump": LUMP}, 1)), "rod", keep="plate")
+    assert steps(task) == [("undo", ("nut below",)), ("take out", ("rod",))]
+
+
+def test_a_stud_that_is_wanted_is_turned_out_after_its_nut() -> None:
+    parts = {
+        "base": ring(0.00384, -0.03, 0.0, 0.04),
+        "lever": ring(CLEAR, 0.0, 0.01),
+        "stud": rod(0.00384, -0.02, 0.03),
+        "nut": moved(plain(hardware.nut(0.008, USUAL)), z=0.01),
+    }
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        task = feeler.task(scene, "stud", keep=["base", "lever"])
+        assert steps(task) == [("undo", ("nut",)), ("undo", ("stud",))], task.blocked
+        assert 0.0 < task.bound <= task.seconds and 60 < task.steps[1].strokes < 120
+        assert steps(feeler.task(scene, ["stud", "nut"]))[-1] == ("undo", ("stud",))
+        # With a part that is no fastener it stays, and it is said.
+        both = feeler.task(scene, ["stud", "lever"])
+        assert steps(both) == [("undo", ("nut",)), ("take out", ("lever",))]
+        assert any("Studs stay" in note and "'stud'" in note for note in both.notes)

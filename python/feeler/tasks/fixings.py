@@ -98,6 +98,11 @@ class Fixings:
             if hold.kind in LOCKS and scene.part_mask[hold.fastener]:
                 for part in (*hold.parts, *([] if hold.anchor is None else [hold.anchor])):
                     self._locks.setdefault(part, []).append(hold.fastener)
+        self.nuts: dict[int, frozenset[int]] = {}
+        """The nuts of each rod that is fastened in nothing but these, and those of studs that are turned out."""
+        for hold in held:
+            if hold.kind == "nut" and hold.anchor in self._held and self._is_rod(hold.anchor):
+                self.nuts[hold.anchor] = self.nuts.get(hold.anchor, frozenset()) | {hold.fastener}
         self.by_joined: dict[int, list[int]] = {}
         """Fasteners by the parts that they join."""
         for hold in held:
@@ -129,12 +134,17 @@ class Fixings:
         return tuple(each for each in self._held[part].mates if each in self)
 
     def locks(self, part: int) -> list[int]:
-        """The pins that go through a fastener: it is not turned before these are out."""
-        return [each for each in self._locks.get(part, []) if each != part]
+        """The pins that go through a fastener, and the nuts on a stud: it is not turned before these are out."""
+        return [each for each in (*self._locks.get(part, []), *sorted(self.nuts.get(part, ()))) if each != part]
 
     def is_turned(self, part: int) -> bool:
         """Whether a fastener is turned by a tool."""
         return part in self and part in self._rows and part not in self._axles
+
+    def _is_rod(self, part: int) -> bool:
+        """Whether nuts are undone before a stud leaves: it is in nothing else, or it is turned out."""
+        row, hold = self._rows.get(part), self._held[part]
+        return row is not None and row.kind == "stud" and (hold.anchor is None or hold.kind != "stud")
 
     def is_plug(self, part: int) -> bool:
         """Whether a fastener holds itself alone."""
@@ -225,12 +235,15 @@ class Fixings:
         return self._gripped[hold.fastener]
 
     def _end(self, hold: Hold) -> int | None:
-        """The part that it is fastened in: through its stud, not through its nut."""
+        """The part that it is fastened in: through its stud, not through its nut. A stud that is fastened in nothing is
+        held by its nuts."""
         anchor, seen = hold.anchor, {hold.fastener}
         while anchor in self._held and anchor not in seen:
             seen.add(anchor)
             if self._held[anchor].kind != "stud":
                 return None if anchor in hold.mates else anchor  # a fitting, or a pin with a circlip
+            if self._held[anchor].anchor is None:
+                return anchor
             anchor = self._held[anchor].anchor
         return anchor
 

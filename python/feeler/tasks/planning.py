@@ -38,6 +38,7 @@ from feeler.tasks.replanning import Found as Known
 from feeler.tasks.replanning import Memory
 from feeler.tasks.search import Found, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
+from feeler.tasks.studs import with_wanted_studs
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
 from feeler.tasks.together import Together
 from feeler.words import plural
@@ -150,6 +151,7 @@ def planned(
         clock.stage(HELD, "looking at what they hold")
         joined = holds(scene, rows, progress=clock.heard) if held is None else held
         check_kind("held", joined, Holds, "the result of feeler.holds")
+        rows, joined = with_wanted_studs(scene, rows, joined, wanted)
         fixings = Fixings(scene, rows, joined, table)
         clock.stage(READY, "looking at what leaves together")
         return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
@@ -341,7 +343,7 @@ class _Planner:
             for step in steps:
                 if not self.actions.is_turned(step.unit.items[0]):
                     asked.append(self.leading.asked(step.unit, self._left(step, out), out))
-                out |= set(step.unit.leaving)
+                out |= self._leaving(step.unit, out)
             self.actions.ahead.try_ways([each for each in asked if each is not None])
         out = frozenset()
         for n, step in enumerate(steps):
@@ -351,7 +353,7 @@ class _Planner:
                 return None
             if one.parts:
                 checked.append(one)
-            out |= set(step.unit.leaving)
+            out |= self._leaving(step.unit, out)
         return checked
 
     def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
@@ -390,7 +392,13 @@ class _Planner:
     def _left(self, step: Ordered, out: frozenset[int]) -> tuple[int, ...]:
         """The parts that leave in a step."""
         gone = self.actions.gone(out)
-        return tuple(part for part in self.question.parts_of(step.unit.leaving) if part not in gone)
+        return tuple(part for part in self.question.parts_of(self._leaving(step.unit, out)) if part not in gone)
+
+    def _leaving(self, unit: Unit, out: frozenset[int]) -> frozenset[int]:
+        """The items that leave in a step: with a rod the nut at its other end, if it was drawn from between them."""
+        nuts = [self.actions.fixings.nuts.get(part, frozenset()) for part in self.question.parts_of(unit.leaving)]
+        left = frozenset[int]().union(*(each - out for each in nuts if each & out))
+        return frozenset(unit.leaving) | (left - self.question.kept)
 
     def _learn(self, step: Ordered, tried: Led) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
@@ -491,7 +499,7 @@ class _Planner:
                         return True
             if self._asks_riders(step.unit, out):
                 return True
-            out |= set(step.unit.leaving)
+            out |= self._leaving(step.unit, out)
         return False
 
     def _asks_riders(self, unit: Unit, out: frozenset[int]) -> bool:
@@ -527,6 +535,11 @@ class _Planner:
             low, high = box_of_parts(self.actions.question.scene)
             size = length_text(float((high - low).max()))
             notes.append(f"No part looks like a fastener, so nothing is undone. Is the unit right? All is {size} long.")
+        left = {path for step in steps for path in step.paths}
+        stay = [self.mockup.part_paths[stud] for stud in self.actions.fixings.studs]
+        stay = [path for path in stay if path in self.wanted and path not in left]
+        if stay:
+            notes.append(f"Studs stay in their parts: {', '.join(map(repr, stay[:MOST_NAMED]))}.")
         if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
@@ -558,7 +571,7 @@ class _Planner:
         now = 0.0
         for ordered in found.steps or ():
             parts = self._left(ordered, out)
-            out |= set(ordered.unit.leaving)
+            out |= self._leaving(ordered.unit, out)
             if not parts:
                 continue
             tooled = ordered.choice.key
