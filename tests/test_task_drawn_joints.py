@@ -116,3 +116,19 @@ def test_a_stud_that_is_wanted_is_turned_out_after_its_nut() -> None:
         both = feeler.task(scene, ["stud", "lever"])
         assert steps(both) == [("undo", ("nut",)), ("take out", ("lever",))]
         assert any("Studs stay" in note and "'stud'" in note for note in both.notes)
+
+
+@pytest.mark.parametrize(("name", "end"), [("KM4 nut", 0.06), ("DIN 981 KM4", 0.029), ("knurled nut", 0.04)])
+def test_a_round_nut_on_a_shaft_is_undone_away_from_its_wheel(name: str, end: float) -> None:
+    """Its bore is wider than half of it."""
+    parts = {
+        "shaft": joined(rod(0.01, -0.06, end), ring(0.0099, -0.06, 0.0, 0.018)),
+        "pulley": ring(0.0102, 0.0, 0.02, 0.03),
+        name: ring(0.01002, 0.02, 0.028, 0.016),
+    }
+    for seed in range(3):
+        mockup = tilted(parts, seed)
+        row = only(feeler.holds(mockup), name)
+        assert (row.paths, row.anchor_path) == (("pulley",), "shaft"), (seed, row.because)
+    task = feeler.task(feeler.Scene(mockup), "pulley", keep="shaft")
+    assert steps(task) == [("undo", (name,)), ("take out", ("pulley",))], task.blocked

@@ -345,13 +345,16 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
         if confidence < LEAST_CONFIDENCE and (name == "other" or not is_wide(seen)):
             continue
         kind = _kind(seen, name)
+        wide = bore if bore is not None and kind == "nut" else None
+        if wide is not None:
+            seen = replace(seen, ring=0.25 * (wide + seen.size))  # in its bore rays only meet the thread
         voice = "; its name says another thing" if name == "other" else f"; its name says {name}" if name else ""
         row = Fastener(
             part=part,
             path=world.part_paths[part],
             kind=kind,
             frame=framed(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
-            size=bore if bore is not None and kind == "nut" else seen.size,
+            size=seen.size if wide is None else wide,
             across_flats=seen.across_flats,
             length=seen.length,
             head_height=seen.head_height,
