@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from shapes import Mesh, box, joined, prism_ring
 from test_holding import CLEAR, FITTED, USUAL, nut, only, plain, ring, tilted, union_nut
@@ -132,3 +133,38 @@ def test_a_round_nut_on_a_shaft_is_undone_away_from_its_wheel(name: str, end: fl
         assert (row.paths, row.anchor_path) == (("pulley",), "shaft"), (seed, row.because)
     task = feeler.task(feeler.Scene(mockup), "pulley", keep="shaft")
     assert steps(task) == [("undo", (name,)), ("take out", ("pulley",))], task.blocked
+
+
+def across(mesh: Mesh) -> Mesh:
+    """With its axis z along x."""
+    turn: npt.NDArray[np.float64] = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    return mesh[0] @ turn.T, mesh[1]
+
+
+def set_screw() -> Mesh:
+    """M6 with a dog point of 4 mm, its tip at z = 7.2 mm and its socket at 20 mm."""
+    outside = [(0.002, 0.0072), (0.002, 0.0102), (0.003, 0.0104), (0.003, 0.02)]
+    return plain(skin_loops([*(circle(r, 32, z) for r, z in outside), hexagon(0.003, 0.02), hexagon(0.003, 0.016)]))
+
+
+def half_hub() -> Mesh:
+    """A block with a bore of 10.2 mm radius about z, and a threaded hole of M6 along x that ends 5 mm above the screw:
+    the hole as a liner in a gap of two blocks."""
+    walls = [ring(0.0102, -0.015, -0.0031, 0.025), ring(0.0102, 0.0031, 0.015, 0.025)]
+    liner = across(prism_ring(0.0042, 0.003, 32, 0.0105, 0.0245))
+    return joined(*walls, liner)
+
+
+@pytest.mark.parametrize(("wanted", "kept"), [("hub", "shaft"), ("shaft", "hub")])
+def test_a_set_screw_in_the_way_of_its_own_part_is_undone(wanted: str, kept: str) -> None:
+    """Its point is in a groove of the shaft, which it does not touch."""
+    shaft = joined(rod(0.01, -0.05, -0.004), rod(0.007, -0.004, 0.004), rod(0.01, 0.004, 0.05))
+    parts = {"set screw": across(set_screw()), "hub": half_hub(), "shaft": shaft}
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        row = only(feeler.holds(scene), "set screw")
+        assert (row.paths, row.anchor_path) == (("set screw",), "hub"), row.because
+        task = feeler.task(scene, wanted, keep=kept)
+        assert steps(task) == [("undo", ("set screw",)), ("take out", (wanted,))], task.blocked
+        # It is sunk, and turned until its end is out: 13 mm, not the 3 mm of its point.
+        assert task.steps[0].strokes == feeler.task(scene, "set screw").steps[0].strokes == 77

@@ -19,7 +19,7 @@ from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
-from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
+from feeler.tasks.passing import LEVELS, Passed, in_bore, is_against, passed_by
 from feeler.tasks.retainers import gripped
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
@@ -64,8 +64,11 @@ class Fixing:
 class Fixings:
     """All fasteners of a scene."""
 
-    def __init__(self, scene: Scene, rows: Fasteners, held: Holds, times: Arithmetic) -> None:
-        self.scene, self.times = scene, times
+    def __init__(
+        self, scene: Scene, rows: Fasteners, held: Holds, times: Arithmetic, loose: frozenset[int] = frozenset()
+    ) -> None:
+        """loose: plugs that do not leave with the part that they are in."""
+        self.scene, self.times, self.loose = scene, times, loose
         self._held = {hold.fastener: hold for hold in held}
         # Others are no fasteners, whatever their names say.
         self._rows = {row.part: row for row in rows if row.part in self._held}
@@ -147,8 +150,8 @@ class Fixings:
         return row is not None and row.kind == "stud" and (hold.anchor is None or hold.kind != "stud")
 
     def is_plug(self, part: int) -> bool:
-        """Whether a fastener holds itself alone."""
-        return self._held[part].parts == (part,)
+        """Whether a fastener holds itself alone, and leaves with what it is in."""
+        return self._held[part].parts == (part,) and part not in self.loose
 
     def anchor(self, part: int) -> int | None:
         """What a fastener is fastened in."""
@@ -294,9 +297,12 @@ class Fixings:
         around = np.stack([np.cos(angles), np.sin(angles), np.zeros(_BESIDE)], axis=1) * _RIM * 0.5 * row.size
         start = thread.top + 1.5 * step
         origins = (around + np.array([0.0, 0.0, start])) @ row.frame[:3, :3].T + row.frame[:3, 3]
-        hits = self.scene.only([thread.part]).rays(origins, np.tile(-row.axis, (_BESIDE, 1)))
+        ways = np.tile(-row.axis, (_BESIDE, 1))
+        hits = self.scene.only([thread.part]).rays(origins, ways)
         heights = start - np.asarray(hits.distances)
-        near = heights[heights >= thread.bottom]  # in a wider pocket the thread begins at its floor
+        # In a wider pocket the thread begins at its floor. Of a screw that is sunk in it rays begin in the part.
+        is_outside = (np.asarray(hits.triangles) >= 0) & is_against(self.scene, np.asarray(hits.triangles), ways)
+        near = heights[(heights >= thread.bottom) & is_outside]
         return float(np.median(near)) if 2 * len(near) >= _BESIDE else thread.top + 0.5 * step
 
     def _sorted_washers(self, held: Holds) -> dict[int, list[int]]:

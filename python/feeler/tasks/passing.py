@@ -186,12 +186,12 @@ def through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tup
         is_hit = (np.asarray(hits.triangles) >= 0) & (gone[left] <= lengths[left])
         left, owners = left[is_hit], np.asarray(hits.parts, dtype=np.int64)[is_hit]
         far[left, n], parts[left, n] = gone[left], owners
-        enters[left, n] = _against(scene, np.asarray(hits.triangles)[is_hit], ways[left])
+        enters[left, n] = is_against(scene, np.asarray(hits.triangles)[is_hit], ways[left])
         gone[left] += _STEP
     return far, parts, enters
 
 
-def _against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool_]:
+def is_against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool_]:
     """Whether the normals of triangles are against some directions."""
     corners = scene.mockup.vertices[scene.mockup.faces[triangles]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -222,7 +222,7 @@ class Windings:
         hits = self.scene.only([part]).rays(origin[None], way[None], within=within)
         if int(np.asarray(hits.triangles)[0]) < 0:
             return 0.0
-        enters = bool(_against(self.scene, np.asarray(hits.triangles), way[None])[0])
+        enters = bool(is_against(self.scene, np.asarray(hits.triangles), way[None])[0])
         return float(np.asarray(hits.distances)[0]) if enters != self.is_inside_out(part) else 0.0
 
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
+from feeler.tasks.plugs import plugs_in_the_way
 from feeler.tasks.problem import Ordered, Unit
 from feeler.tasks.reached import Tooled
 from feeler.tasks.replanning import Found as Known
@@ -144,28 +146,48 @@ def planned(
     reaching = memory.reaching(scene, tools, workers, table.times.pitches_mm)
     clock = Pace(limit, progress)
 
-    def look() -> Known:
+    @cache
+    def looked() -> tuple[Fasteners, Holds]:
         clock.stage(FOUND, "looking for fasteners")
         rows = find_fasteners(scene, None, clock.heard) if fasteners is None else fasteners
         check_kind("fasteners", rows, Fasteners, "the result of feeler.find_fasteners")
         clock.stage(HELD, "looking at what they hold")
         joined = holds(scene, rows, progress=clock.heard) if held is None else held
         check_kind("held", joined, Holds, "the result of feeler.holds")
-        rows, joined = with_wanted_studs(scene, rows, joined, wanted)
-        fixings = Fixings(scene, rows, joined, table)
-        clock.stage(READY, "looking at what leaves together")
-        return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+        return with_wanted_studs(scene, rows, joined, wanted)
 
-    known = memory.found((wanted, kept, seed), scene, look)
+    def plan(loose: frozenset[int], gives_up: Callable[[frozenset[int]], bool]) -> tuple[Task, frozenset[int]]:
+        """The answer with some plugs that do not leave with what they are in, and the plugs of parts that are stuck."""
+
+        def look() -> Known:
+            rows, joined = looked()
+            fixings = Fixings(scene, rows, joined, table, loose)
+            clock.stage(READY, "looking at what leaves together")
+            return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+
+        known = memory.found((wanted, kept, seed, loose), scene, look)
+        forced = _forced(scene, before, known.question)
+        with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
+            actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
+            if known.actions is not None:
+                actions.know(known.actions)
+            known.actions = actions
+            leading = Leading(actions, clock, crew == 1, known.searched)
+            planner = _Planner(actions, leading, clock, crew, paths, forced, gives_up)
+            return planner.task(), planner.plugs
+
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
-    forced = _forced(scene, before, known.question)
-    with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
-        actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
-        if known.actions is not None:
-            actions.know(known.actions)
-        known.actions = actions
-        leading = Leading(actions, clock, crew == 1, known.searched)
-        return _Planner(actions, leading, clock, crew, paths, forced).task()
+    # A set screw may be in the way of its own part: it is undone if no straight way takes both out, before bent ones
+    # are searched.
+    answer, more = plan(frozenset(), bool)
+    loose = frozenset[int]()
+    while more and not answer.is_found and clock.goes_on():
+        loose |= more
+        answer, more = plan(loose, lambda _: True)
+    for some in [frozenset[int](), loose] if loose else []:
+        if not answer.is_found and clock.goes_on():
+            answer, _ = plan(some, lambda _: False)
+    return answer
 
 
 def _forced(
@@ -217,7 +239,7 @@ def _question(
     wanted = tuple(dict.fromkeys(under.get(part, part) for part in wanted))  # washers come off with what clamps them
     own = {part for part in wanted if part not in fixings and fixings.studs.get(part, part) in (part, *wanted)}
     whole = own.union(*(body for body in bodies if body[0] in own))
-    inner = {part for part in fixings if set(fixings.joins(part)) <= whole and fixings.joins(part)}
+    inner = {part for part in fixings if set(fixings.joins(part)) <= whole and fixings.joins(part)} - fixings.loose
     undone = tuple(part for part in wanted if part in fixings and part not in inner)
     riders: dict[int, list[int]] = {body[0]: list(body[1:]) for body in bodies}
     lead: dict[int, int] = {part: body[0] for body in bodies for part in body[1:]}
@@ -285,7 +307,10 @@ class _Planner:
         people: int,
         wanted: tuple[str, ...],
         forced: Mapping[int, frozenset[int]],
+        gives_up: Callable[[frozenset[int]], bool],
     ) -> None:
+        """gives_up: whether no bent ways are searched, by the plugs that may be in the way of their own parts."""
+        self.gives_up, self.plugs = gives_up, frozenset[int]()
         self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
@@ -314,7 +339,9 @@ class _Planner:
         found = self._found(self.clock.within)
         for _ in range(MOST_PLANS):
             if found.steps is None:
-                if not (found.is_complete and self._try_bent(found)):
+                stuck = self.question.parts_of(found.stuck)
+                self.plugs = plugs_in_the_way(self.question.scene, self.actions.fixings, stuck)
+                if self.gives_up(self.plugs) or not (found.is_complete and self._try_bent(found)):
                     break
             else:
                 is_new = self._asks_before(found.steps) or self._frees_riders(found)
@@ -725,7 +752,8 @@ class _Planner:
     def _blocker(self, item: int, blockers: frozenset[int]) -> TaskBlocker:
         actions, question, paths = self.actions, self.question, self.mockup.part_paths
         parts = question.parts_of([item])
-        path = paths[parts[0] if item == TARGET else item] if parts or item != TARGET else ", ".join(self.wanted)
+        first = next(iter([*(part for part in question.wanted if item == TARGET), *parts]), None)
+        path = ", ".join(self.wanted) if first is None else paths[first if item == TARGET else item]
         if not actions.is_turned(item):
             empty = any(not joint for joint in actions.certain(item))
             said = "a fastener that holds it is kept" if empty else "no way out was found"
@@ -737,6 +765,6 @@ class _Planner:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
         answer = actions.answer(item, frozenset())
         if answer.tooled:
-            first = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
-            return TaskBlocker(path, "what has to go before it does not come out", tuple(paths[part] for part in first))
+            ahead = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
+            return TaskBlocker(path, "what has to go before it does not come out", tuple(paths[part] for part in ahead))
         return TaskBlocker(path, f"no tool reaches it: {answer.because}", tuple(paths[p] for p in answer.blockers))
