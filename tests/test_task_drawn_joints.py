@@ -168,3 +168,42 @@ def test_a_set_screw_in_the_way_of_its_own_part_is_undone(wanted: str, kept: str
         assert steps(task) == [("undo", ("set screw",)), ("take out", (wanted,))], task.blocked
         # It is sunk, and turned until its end is out: 13 mm, not the 3 mm of its point.
         assert task.steps[0].strokes == feeler.task(scene, "set screw").steps[0].strokes == 77
+
+
+def standoff(z: float) -> Mesh:
+    """M3 with a hexagon of 5.5 mm from z up to z + 10 mm, a thread 5 mm below it, and one 7 mm deep in its top."""
+    outside = [circle(0.0015, 32, z - 0.005), circle(0.0015, 32, z), hexagon(0.0055, z), hexagon(0.0055, z + 0.01)]
+    return plain(skin_loops([*outside, circle(0.00151, 32, z + 0.01), circle(0.00151, 32, z + 0.003)]))
+
+
+@pytest.mark.parametrize("name", ["standoff", "hex spacer bolt", "part"])
+def test_a_standoff_has_the_thread_of_the_screw_in_it(name: str) -> None:
+    """A board on two of them, which are one on the other, and another one above it."""
+    board = ring(0.0017, 0.0, 0.0016)
+    parts = {
+        "chassis": ring(0.0015, -0.006, 0.0),
+        f"{name} 1": standoff(0.0),
+        "board": moved(board, z=0.01),
+        f"{name} 2": standoff(0.0116),
+        "upper board": moved(board, z=0.0216),
+        "screw": moved(plain(hardware.cap_screw(0.003, 0.006, USUAL)), z=0.0232),
+    }
+    for seed in range(2):
+        found = feeler.holds(tilted(parts, seed))
+        held = {row.path: (row.paths, row.anchor_path) for row in found}
+        assert held == {
+            "screw": (("upper board",), f"{name} 2"),
+            f"{name} 2": (("board",), f"{name} 1"),
+            f"{name} 1": ((f"{name} 1",), "chassis"),
+        }
+    task = feeler.task(feeler.Scene(tilted(parts, 1)), "board", keep="chassis")
+    undone = [("undo", ("screw",)), ("take out", ("upper board",)), ("undo", (f"{name} 2",))]
+    assert steps(task) == [*undone, ("take out", ("board",))], task.blocked
+    # 4.4 mm of M3 are in the upper standoff.
+    assert task.steps[0].strokes == pytest.approx(6 * 4.4 / 0.5, abs=2)
+
+
+def test_a_hexagon_with_a_bore_right_through_it_is_no_standoff() -> None:
+    loops = [circle(0.0015, 32, -0.005), circle(0.0015, 32, 0.0), hexagon(0.0055, 0.0), hexagon(0.0055, 0.01)]
+    loops += [circle(0.00125, 32, 0.01), circle(0.00125, 32, -0.005)]
+    assert not feeler.find_fasteners(tilted({"part": plain(skin_loops(loops, closed=True)), "lump": LUMP}, 1))

@@ -283,7 +283,8 @@ class Fixings:
         nuts = [self._rows[mate] for mate in hold.mates if mate in self._rows]
         if nuts:
             return row.size, nuts[0].length + _beyond(nuts[0], row)
-        thread = [each for each in next(iter(passed_by(self._bare, [row]))) if each.part == anchor]
+        around = self.scene.only([anchor]) if anchor in self._rows else self._bare
+        thread = [each for each in next(iter(passed_by(around, [row]))) if each.part == anchor]
         head = row.head_height if math.isfinite(row.head_height) else 0.0
         if thread and math.isfinite(row.length):
             # It is turned until its end is out of the thread, also where it stands out behind.
