@@ -56,6 +56,21 @@ def test_what_lies_on_a_flush_countersunk_head_is_not_held_by_it(sunk: float) ->
     assert steps(task) == [("undo", ("bolt",)), ("take out", ("wheel",))], task.blocked
 
 
+@pytest.mark.parametrize("is_inside_out", [False, True])
+def test_what_is_around_a_head_and_ends_below_it_is_not_held(is_inside_out: bool) -> None:
+    """A foam that is drawn through the head of a bolt, down to the plate that it bears on."""
+    foam = box((-0.03, -0.03, 0.0), (0.03, 0.03, 0.02))
+    parts = {
+        "bolt": plain(hardware.hex_bolt(0.008, 0.03, USUAL)),
+        "foam": (foam[0], foam[1][:, ::-1].copy() if is_inside_out else foam[1]),
+        "plate": ring(CLEAR, -0.01, 0.0),
+        "base": ring(FITTED, -0.04, -0.01),
+    }
+    for seed in range(3):
+        row = only(feeler.holds(tilted(parts, seed)), "bolt")
+        assert (row.paths, row.anchor_path) == (("plate",), "base"), (seed, row.because)
+
+
 @pytest.mark.parametrize(("thread", "flats", "height"), [(12, 17, 4), (20, 24, 3), (32, 36, 6)])
 def test_a_lock_nut_is_told_by_the_thread_in_its_bore(thread: float, flats: float, height: float) -> None:
     """Wider in its bore than usual nuts: on a cable gland or a sensor."""

@@ -387,7 +387,7 @@ class _Holding:
         if not np.isfinite(height) or not height > SEAT * row.size:
             return []
         below, wide = self._face(row, washers)
-        parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)
+        parts = borne(self.windings, self.bare.without(washers) if washers else self.bare, row, below, wide)
         return [Passed(part, below, below, 0.0) for part in parts]
 
     def _face(self, row: Fastener, washers: list[int]) -> tuple[float, float]:

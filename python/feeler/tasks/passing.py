@@ -324,11 +324,11 @@ def surrounding(scene: Scene, point: Floats, frame: Floats, within: float) -> in
     return int(names[int(np.argmax(counts))])
 
 
-def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
+def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
     """The parts that a head, a nut or its washers bear on at a height, beside its shank too.
 
-    scene: without the fasteners; below: the height of the bearing face in the frame of the fastener; wide: its
-    diameter, metres.
+    windings: of the whole scene; scene: without the fasteners; below: the height of the bearing face in the frame of
+    the fastener; wide: its diameter, metres.
     """
     if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
         return []
@@ -337,9 +337,24 @@ def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
     for share in _SEAT_SHARES:
         radius = 0.5 * (row.size + share * (wide - row.size))
         origins = row.frame[:3, 3] + (below + play) * row.axis + radius * ring
-        hits = scene.rays(origins, np.broadcast_to(-row.axis, origins.shape), within=2.0 * play)
-        names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+        parts = _entered(windings, scene, origins, -row.axis, 2.0 * play)
+        names, counts = np.unique(parts[parts >= 0], return_counts=True)
         for name, count in zip(names.tolist(), counts.tolist(), strict=True):
             if count >= _SEAT_LEAST * _SEATED:
                 found[int(name)] = max(found.get(int(name), 0), int(count))
     return sorted(found, key=lambda name: (-found[name], name))
+
+
+def _entered(windings: Windings, scene: Scene, origins: Floats, way: Floats, within: float) -> Ints:
+    """The first part that each ray enters, (n,), -1 for none: a part around its origin, which ends there, is none."""
+    ways = np.broadcast_to(way, origins.shape)
+    hits = scene.rays(origins, ways, within=within)
+    parts = np.where(np.asarray(hits.triangles) >= 0, np.asarray(hits.parts, dtype=np.int64), -1)
+    is_left = parts >= 0
+    turned = np.array([windings.is_inside_out(part) for part in parts[is_left].tolist()], dtype=bool)
+    is_left[is_left] = is_against(scene, np.asarray(hits.triangles)[is_left], ways[is_left]) == turned
+    if is_left.any():
+        # Where faces are flush, a ray meets one of two parts alone.
+        rest = scene.without(sorted(set(parts[is_left].tolist())))
+        parts[is_left] = _entered(windings, rest, origins[is_left], way, within)
+    return parts
