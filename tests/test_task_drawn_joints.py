@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from shapes import Mesh, box, joined, prism_ring
+from shapes import Mesh, box, joined, mockup_of, prism_ring
 from test_holding import CLEAR, FITTED, USUAL, nut, only, plain, ring, tilted, union_nut
 
 import feeler
@@ -222,3 +222,47 @@ def test_a_hexagon_with_a_bore_right_through_it_is_no_standoff() -> None:
     loops = [circle(0.0015, 32, -0.005), circle(0.0015, 32, 0.0), hexagon(0.0055, 0.0), hexagon(0.0055, 0.01)]
     loops += [circle(0.00125, 32, 0.01), circle(0.00125, 32, -0.005)]
     assert not feeler.find_fasteners(tilted({"part": plain(skin_loops(loops, closed=True)), "lump": LUMP}, 1))
+
+
+def night(meshes: dict[str, Mesh], entry: str, previous: feeler.Maintenance | None = None) -> feeler.Maintenance:
+    """With corners in single precision, as many files have them."""
+    rounded = {name: (vertices.astype(np.float32).astype(float), faces) for name, (vertices, faces) in meshes.items()}
+    return feeler.maintain(feeler.Scene(mockup_of(rounded)), [entry], previous=previous, threads=1)
+
+
+@pytest.mark.parametrize("entry", ["unit", "unit/*"])
+def test_a_row_of_an_assembly_is_compared_when_it_has_a_part_more(entry: str) -> None:
+    """One more bolt, in the assembly itself."""
+
+    def unit(count: int) -> dict[str, Mesh]:
+        bolt, hole, tapped = plain(hardware.hex_bolt(0.008, 0.02, USUAL)), ring(CLEAR, -0.01, 0.0), FITTED
+        places = [0.05 * n for n in range(3)]
+        return {
+            "base": joined(*(moved(ring(tapped, -0.03, -0.01), x) for x in places)),
+            "unit/cover": joined(*(moved(hole, x) for x in places)),
+            **{f"unit/bolt {n}": moved(bolt, places[n]) for n in range(count)},
+        }
+
+    first = night(unit(2), entry)
+    (row,) = night(unit(3), entry, first)
+    assert row.is_slower and row.change.startswith("+") and "unit/bolt 2" in [each.path for each in row.causes]
+    (back,) = night(unit(2), entry, night(unit(3), entry))
+    assert back.change.startswith("-") and not back.is_slower
+    (other,) = night(unit(2), "unit/cover", first)
+    assert other.change == "new in the list"
+
+
+def test_a_bolt_that_is_turned_holds_no_other_otherwise() -> None:
+    """Bolts of one shape are aligned to one of them."""
+    bolt, hole, tapped = (
+        plain(hardware.hex_bolt(0.008, 0.02, USUAL)),
+        ring(CLEAR, -0.01, 0.0),
+        ring(FITTED, -0.03, -0.01),
+    )
+    cosine, sine = np.cos(0.3), np.sin(0.3)
+    turned = bolt[0] @ np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]).T, bolt[1]
+    parts = {"base": tapped, "cover": hole, "bolt 1": bolt}
+    both = {name: joined(mesh, moved(mesh, 0.05)) for name, mesh in parts.items() if name != "bolt 1"}
+    before = night({"bolt 1": bolt, "bolt 2": moved(bolt, 0.05), **both}, "cover")
+    after = night({"bolt 1": turned, "bolt 2": moved(bolt, 0.05), **both}, "cover", before)
+    assert [str(change) for change in after.changes] == ["bolt 1 moved"]

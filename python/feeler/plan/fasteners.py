@@ -388,8 +388,9 @@ def _kind(looks: Looks, name: str | None) -> FastenerKind:
 
 
 def framed(origin: Floats, axis: Floats) -> Floats:
-    """A frame with z along an axis; x is perpendicular to the coordinate axis least aligned with it."""
-    x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    """A frame with z along an axis; x is perpendicular to the coordinate axis least aligned with it, the first of those
+    that are by rounding."""
+    x = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 6)))])
     x /= np.linalg.norm(x)
     frame = np.eye(4)
     frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(axis, x), axis, origin
