@@ -224,6 +224,31 @@ def test_a_hexagon_with_a_bore_right_through_it_is_no_standoff() -> None:
     assert not feeler.find_fasteners(tilted({"part": plain(skin_loops(loops, closed=True)), "lump": LUMP}, 1))
 
 
+def test_rims_of_holes_behind_each_other_stop_nothing() -> None:
+    """Blocks on each other under bolts, along the axes: the lower one leaves sideways, and the upper one stays."""
+    solids = pytest.importorskip("manifold3d")
+    places = [(x, y) for x in (-18, 18) for y in (-13, 13)]
+
+    def block(hole: float, low: float, high: float) -> Mesh:
+        solid = solids.Manifold.cube((50, 40, high - low)).translate((-25, -20, low))
+        for x, y in places:
+            solid -= solids.Manifold.cylinder(108, hole, hole, 48).translate((x, y, -9))
+        mesh = solid.to_mesh()
+        return np.asarray(mesh.vert_properties, dtype=float)[:, :3] / 1000, np.asarray(mesh.tri_verts).astype(np.int64)
+
+    bolt = plain(hardware.hex_bolt(0.006, 0.07, USUAL))
+    parts = {
+        "base": block(3.0, -8, 0),
+        "lower": block(3.3, 0, 25),
+        "upper": block(3.3, 25, 50),
+        "top": block(3.3, 50, 58),
+        **{f"bolt {n}": (bolt[0] + 1e-3 * np.array([x, y, 58]), bolt[1]) for n, (x, y) in enumerate(places)},
+    }
+    task = feeler.task(feeler.Scene(mockup_of(parts)), "lower", keep="base")
+    assert len(task.steps) == 5 and steps(task)[-1] == ("take out", ("lower",)), steps(task)
+    assert task.bound == pytest.approx(task.seconds)
+
+
 def night(meshes: dict[str, Mesh], entry: str, previous: feeler.Maintenance | None = None) -> feeler.Maintenance:
     """With corners in single precision, as many files have them."""
     rounded = {name: (vertices.astype(np.float32).astype(float), faces) for name, (vertices, faces) in meshes.items()}
