@@ -224,6 +224,48 @@ def test_a_hexagon_with_a_bore_right_through_it_is_no_standoff() -> None:
     assert not feeler.find_fasteners(tilted({"part": plain(skin_loops(loops, closed=True)), "lump": LUMP}, 1))
 
 
+def snap_ring(inner: float, outer: float, low: float, high: float) -> Mesh:
+    """A ring about z that is open by 10 degrees."""
+    turn = np.radians(np.linspace(5.0, 355.0, 41))
+    corners = [(radius, z) for radius, z in ((inner, low), (outer, low), (outer, high), (inner, high))]
+    vertices = np.array([[r * np.cos(a), r * np.sin(a), z] for a in turn for r, z in corners])
+    faces = [[0, 1, 2], [0, 2, 3], [160, 162, 161], [160, 163, 162]]
+    for n in range(0, 160, 4):
+        for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)):
+            faces += [[n + a, n + 4 + a, n + 4 + b], [n + a, n + 4 + b, n + b]]
+    return vertices, np.array(faces)
+
+
+@pytest.mark.parametrize("wanted", ["bush", ["bush", "snap ring"], "housing"])
+def test_a_part_leaves_with_its_snap_ring_on_the_other_side(wanted: str | list[str]) -> None:
+    """The ring is in a recess of the housing, where nothing opens it, and stops the bush on its way in alone."""
+    parts = {
+        "housing": joined(ring(0.0301, -0.03, -0.002, 0.05), ring(0.034, -0.002, 0.0, 0.05)),
+        "bush": joined(
+            ring(0.015, -0.03, -0.002, 0.03), ring(0.015, -0.002, 0.0, 0.028), ring(0.015, 0.0, 0.005, 0.03)
+        ),
+        "snap ring": snap_ring(0.02805, 0.0335, -0.0019, -0.0001),
+        "lump": LUMP,
+    }
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        row = only(feeler.holds(scene), "snap ring")
+        assert (row.kind, row.paths, row.anchor_path) == ("circlip", ("housing",), "bush"), row.because
+        task = feeler.task(scene, wanted, keep="bush" if wanted == "housing" else "housing")
+        left = ("housing",) if wanted == "housing" else ("bush", "snap ring")
+        assert steps(task) == [("take out", left)], task.blocked
+        assert task.bound == pytest.approx(task.seconds)
+
+
+def test_a_kept_fastener_is_named_and_nuts_are_fasteners() -> None:
+    scene = feeler.Scene(tilted({**through_rod(), "lump": LUMP}, 1))
+    task = feeler.task(scene, "plate", keep=["nut below", "nut above", "rod"])
+    assert [(row.because, row.blockers) for row in task.blocked] == [
+        ("a fastener that holds it is kept", ("nut below", "nut above"))
+    ]
+    assert not any("looks like a fastener" in note for note in feeler.task(scene, "lump").notes)
+
+
 def test_rims_of_holes_behind_each_other_stop_nothing() -> None:
     """Blocks on each other under bolts, along the axes: the lower one leaves sideways, and the upper one stays."""
     solids = pytest.importorskip("manifold3d")

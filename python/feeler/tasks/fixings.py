@@ -65,10 +65,18 @@ class Fixings:
     """All fasteners of a scene."""
 
     def __init__(
-        self, scene: Scene, rows: Fasteners, held: Holds, times: Arithmetic, loose: frozenset[int] = frozenset()
+        self,
+        scene: Scene,
+        rows: Fasteners,
+        held: Holds,
+        times: Arithmetic,
+        loose: frozenset[int] = frozenset(),
+        riding: frozenset[int] = frozenset(),
     ) -> None:
-        """loose: plugs that do not leave with the part that they are in."""
-        self.scene, self.times, self.loose = scene, times, loose
+        """loose: plugs that do not leave with the part that they are in; riding: circlips that do, and join it to
+        nothing."""
+        self.scene, self.times, self.loose, self.riding = scene, times, loose, riding
+        self.held = held
         self._held = {hold.fastener: hold for hold in held}
         # Others are no fasteners, whatever their names say.
         self._rows = {row.part: row for row in rows if row.part in self._held}
@@ -118,6 +126,11 @@ class Fixings:
     def __iter__(self) -> Iterator[int]:
         return iter(part for part, hold in self._held.items() if hold.kind not in _STAY)
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing that holds parts, studs and nuts included."""
+        return not self._held
+
     def of(self, part: int) -> Fixing:
         """The fastener of a part."""
         if part not in self._known:
@@ -127,7 +140,7 @@ class Fixings:
     def joins(self, part: int) -> tuple[int, ...]:
         """The parts that a fastener joins, without itself."""
         hold = self._held[part]
-        if hold.kind in _LOOSE or not hold.parts:
+        if hold.kind in _LOOSE or part in self.riding or not hold.parts:
             return ()
         ends = [*hold.parts, self._end(hold), *self._grips(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))

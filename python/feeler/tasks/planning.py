@@ -38,6 +38,7 @@ from feeler.tasks.problem import Ordered, Unit
 from feeler.tasks.reached import Tooled
 from feeler.tasks.replanning import Found as Known
 from feeler.tasks.replanning import Memory
+from feeler.tasks.riding_rings import better, riding_rings
 from feeler.tasks.search import Found, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.studs import with_wanted_studs
@@ -156,16 +157,18 @@ def planned(
         check_kind("held", joined, Holds, "the result of feeler.holds")
         return with_wanted_studs(scene, rows, joined, wanted)
 
-    def plan(loose: frozenset[int], gives_up: Callable[[frozenset[int]], bool]) -> tuple[Task, frozenset[int]]:
-        """The answer with some plugs that do not leave with what they are in, and the plugs of parts that are stuck."""
+    def plan(
+        riding: frozenset[int], loose: frozenset[int], gives_up: Callable[[frozenset[int]], bool]
+    ) -> tuple[Task, _Planner]:
+        """The answer with some circlips that leave with their part, and some plugs that do not."""
 
         def look() -> Known:
             rows, joined = looked()
-            fixings = Fixings(scene, rows, joined, table, loose)
+            fixings = Fixings(scene, rows, joined, table, loose, riding)
             clock.stage(READY, "looking at what leaves together")
             return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
 
-        known = memory.found((wanted, kept, seed, loose), scene, look)
+        known = memory.found((wanted, kept, seed, loose, riding), scene, look)
         forced = _forced(scene, before, known.question)
         with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
             actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
@@ -174,19 +177,31 @@ def planned(
             known.actions = actions
             leading = Leading(actions, clock, crew == 1, known.searched)
             planner = _Planner(actions, leading, clock, crew, paths, forced, gives_up)
-            return planner.task(), planner.plugs
+            return planner.task(), planner
+
+    def best(riding: frozenset[int]) -> tuple[Task, _Planner]:
+        """The answer. A set screw may be in the way of its own part: it is undone if no straight way takes both out,
+        before bent ones are searched."""
+        answer, planner = plan(riding, frozenset(), bool)
+        loose = frozenset[int]()
+        while planner.plugs and not answer.is_found and clock.goes_on():
+            loose |= planner.plugs
+            answer, planner = plan(riding, loose, lambda _: True)
+        for some in [frozenset[int](), loose] if loose else []:
+            if not answer.is_found and clock.goes_on():
+                answer, planner = plan(riding, some, lambda _: False)
+        return answer, planner
 
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
-    # A set screw may be in the way of its own part: it is undone if no straight way takes both out, before bent ones
-    # are searched.
-    answer, more = plan(frozenset(), bool)
-    loose = frozenset[int]()
-    while more and not answer.is_found and clock.goes_on():
-        loose |= more
-        answer, more = plan(loose, lambda _: True)
-    for some in [frozenset[int](), loose] if loose else []:
-        if not answer.is_found and clock.goes_on():
-            answer, _ = plan(some, lambda _: False)
+    answer, planner = best(frozenset())
+    if before:
+        return answer  # it may be about circlips
+    for riding in riding_rings(scene, planner.actions.fixings.held, answer, wanted, kept, planner.stuck):
+        if clock.goes_on():
+            try:
+                answer = better(answer, best(riding)[0])
+            except TaskInterrupted as stopped:
+                raise (TaskInterrupted(answer) if answer.is_found else stopped) from None
     return answer
 
 
@@ -240,7 +255,7 @@ def _question(
     own = {part for part in wanted if part not in fixings and fixings.studs.get(part, part) in (part, *wanted)}
     whole = own.union(*(body for body in bodies if body[0] in own))
     inner = {part for part in fixings if set(fixings.joins(part)) <= whole and fixings.joins(part)} - fixings.loose
-    undone = tuple(part for part in wanted if part in fixings and part not in inner)
+    undone = tuple(part for part in wanted if part in fixings and part not in inner | fixings.riding)
     riders: dict[int, list[int]] = {body[0]: list(body[1:]) for body in bodies}
     lead: dict[int, int] = {part: body[0] for body in bodies for part in body[1:]}
     for part in fixings:
@@ -250,6 +265,8 @@ def _question(
             riders.setdefault(part, []).append(washer)
             lead[washer] = part
         pipe, anchor = fixings.captive_on(part), fixings.anchor(part)
+        if part in fixings.riding and anchor is not None:
+            pipe = anchor
         if pipe is not None:
             riders.setdefault(pipe, []).append(part)
             lead[part] = pipe
@@ -311,6 +328,8 @@ class _Planner:
     ) -> None:
         """gives_up: whether no bent ways are searched, by the plugs that may be in the way of their own parts."""
         self.gives_up, self.plugs = gives_up, frozenset[int]()
+        self.stuck: tuple[int, ...] = ()
+        """The parts that nothing frees, and what would leave with them."""
         self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
@@ -339,8 +358,8 @@ class _Planner:
         found = self._found(self.clock.within)
         for _ in range(MOST_PLANS):
             if found.steps is None:
-                stuck = self.question.parts_of(found.stuck)
-                self.plugs = plugs_in_the_way(self.question.scene, self.actions.fixings, stuck)
+                self.stuck = self.question.parts_of(found.stuck)
+                self.plugs = plugs_in_the_way(self.question.scene, self.actions.fixings, self.stuck)
                 if self.gives_up(self.plugs) or not (found.is_complete and self._try_bent(found)):
                     break
             else:
@@ -558,7 +577,7 @@ class _Planner:
         spent = max((slot.end for slot in slots), default=0.0)
         bound = found.bound if self.people == 1 else max(found.bound / self.people, self.search.longest())
         notes = []
-        if not any(True for _ in self.actions.fixings):
+        if self.actions.fixings.is_empty:
             low, high = box_of_parts(self.actions.question.scene)
             size = length_text(float((high - low).max()))
             notes.append(f"No part looks like a fastener, so nothing is undone. Is the unit right? All is {size} long.")
@@ -760,11 +779,15 @@ class _Planner:
             node = actions.node(item, actions.riding(item))
             known = actions.graph.known_blockers(node) if not empty else {}
             worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(node))
-            return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))
+            around = [part for each in worst for part in question.parts_of([each])]
+            ahead = actions.kept_holders(node) if empty else around
+            return TaskBlocker(path, said, tuple(paths[part] for part in ahead))
         if item in actions.met:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
         answer = actions.answer(item, frozenset())
         if answer.tooled:
-            ahead = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
-            return TaskBlocker(path, "what has to go before it does not come out", tuple(paths[part] for part in ahead))
+            before = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
+            return TaskBlocker(
+                path, "what has to go before it does not come out", tuple(paths[part] for part in before)
+            )
         return TaskBlocker(path, f"no tool reaches it: {answer.because}", tuple(paths[p] for p in answer.blockers))
