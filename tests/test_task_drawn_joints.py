@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -13,6 +15,12 @@ from feeler.samples import hardware
 from feeler.samples.shapes import skin_loops
 from feeler.samples.tessellation import circle, hexagon
 
+WALLS = [
+    *(((-2, -2, low), (2, 2, low + 1)) for low in (-2, 1)),
+    *(((-2, low, -1), (2, low + 1, 1)) for low in (-2, 1)),
+    *(((low, -1, -1), (low + 1, 1, 1)) for low in (-2, 1)),
+]
+"""Of a closed box."""
 LUMP = box((0.2, 0.0, 0.0), (0.21, 0.01, 0.01))
 """Another part, so that not all that is left leaves."""
 
@@ -264,6 +272,21 @@ def test_a_kept_fastener_is_named_and_nuts_are_fasteners() -> None:
         ("a fastener that holds it is kept", ("nut below", "nut above"))
     ]
     assert not any("looks like a fastener" in note for note in feeler.task(scene, "lump").notes)
+
+
+def test_a_search_that_time_ends_without_a_plan_has_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Time is up while bent ways are searched: there may be a plan."""
+
+    def late(planner: Any, _found: object) -> bool:
+        planner.clock.seconds = 0.0
+        return False
+
+    monkeypatch.setattr("feeler.tasks.planning._Planner._try_bent", late)
+    shut = joined(*(box(*(np.array(side) * 0.02)) for side in WALLS))
+    task = feeler.task(
+        feeler.Scene(mockup_of({"case": shut, "ball": box((-0.01,) * 3, (0.01,) * 3)})), "ball", seconds=99
+    )
+    assert not task.is_found and not task.is_complete and task.bound == 0.0
 
 
 def test_rims_of_holes_behind_each_other_stop_nothing() -> None:

@@ -749,7 +749,8 @@ class _Planner:
         if self.forced:
             notes += ("An order was forced: there may be a plan without it.",)
         nan = math.nan
-        bound = nan if is_complete else found.bound / self.people
+        # Without a straight plan there may be one of bent ways that was not searched.
+        bound = nan if is_complete else (found.bound if math.isfinite(found.bound) else 0.0) / self.people
         elements, examples = dict(self.actions.times.elements), self.actions.times.times.examples
         return Task(
             *(self.wanted, False, (), nan, nan, bound, tuple(rows), self.people, is_complete, elements, examples),
