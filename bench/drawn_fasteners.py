@@ -421,10 +421,11 @@ class Draughtsman:
         return Drawn(solid)
 
     def spacer(self) -> Drawn:
-        """A hexagon spacer: a thread on one side, a bore in the other."""
+        """A hexagon spacer: a thread on one side, a threaded hole in the other."""
         d, high = self.size, self.size * float(self.rng.uniform(3.5, 8.0))
         solid = prism(regular(6, 0.85 * d), 0.0, high) + rod(d / 2.0, -1.2 * d, 0.01, self.n, self.chamfer)
-        return Drawn(solid - rod(0.45 * d, high - 1.5 * d, high + 1.0, self.n))
+        solid -= rod(0.45 * d, high - 1.5 * d, high + 1.0, self.n)
+        return Drawn(solid, "bolt", "hexagon", 1.7 * d, d, high)
 
     def hose_nipple(self) -> Drawn:
         """A thread, a hexagon and barbs around a bore."""
@@ -620,14 +621,14 @@ FASTENERS = [
     *("square_nut", "flange_nut", "castle_nut", "twelve_point_nut", "wing_nut", "stud_with_threads"),
     *("dome_nut", "coupling_nut", "banjo_bolt", "wood_screw", "square_socket_plug"),
     *("collar_plug", "hexagon_plug", "hollow_bolt", "vented_screw", "shoulder_screw", "dog_point_screw"),
-    *("short_bolt", "short_cap_screw", "wing_screw", "carriage_bolt"),
+    *("short_bolt", "short_cap_screw", "wing_screw", "carriage_bolt", "spacer"),
 ]
 OTHERS = [
     *("washer", "pin", "dowel", "clevis_pin", "rivet", "tube", "flanged_bush", "cylinder", "cup", "shaft"),
     *("keyed_shaft", "hexagon_bar", "box", "square_tube", "union", "gear", "knob", "plate_with_holes"),
     *("grooved_block", "grooved_disc", "socket_tool", "standoff", "hexagon_flange", "square_plate_with_boss"),
     *("lever", "spline_shaft", "slotted_bush", "pulley"),
-    *("hexagon_shaft", "spacer", "hose_nipple", "valve_body", "reducer", "hub_flange", "hexagon_hub"),
+    *("hexagon_shaft", "hose_nipple", "valve_body", "reducer", "hub_flange", "hexagon_hub"),
     *("stepped_pin", "stepped_bush"),
 ]
 

@@ -296,6 +296,12 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
                 "Wellensicherungsring",
                 "segment d'arr\u00eat",
                 "anillo de retenci\u00f3n",
+                "Sicherungsring vorn",
+                "SicherungsringAu\u00dfen",
+                "snap ring_rear",
+                "retaining ring, external",
+                "E-ring big",
+                "circlip for shaft",
             )
         ),
         *(
@@ -309,9 +315,14 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
                 "Schlauchklemme",
                 "DIN 3017",
                 "bride de serrage",
+                "clamp_upper",
+                "clamp lower half 2",
+                "Rohrschelle oben",
+                "P-clip (black)",
             )
         ),
         *((name, None) for name in ("pinion", "spindle", "pin block", "ISO 4762 M8", "ISO 7", "DIN 933 M8", "ring")),
+        *((name, None) for name in ("circlip cover", "circlip holder", "clamp plate", "upper half", "pin plate rear")),
     ],
 )
 def test_retainers_are_known_by_names_in_several_languages(name: str, kind: str | None) -> None:

@@ -24,7 +24,16 @@ from feeler._core import Contacts
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
-from feeler.plan.frames import across_axis, distinct, is_face_normal, part_axes, round_axis, scene_axes
+from feeler.plan.frames import (
+    SAME_PLANE,
+    across_axis,
+    distinct,
+    face_normals,
+    is_face_normal,
+    part_axes,
+    round_axis,
+    scene_axes,
+)
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
@@ -37,6 +46,8 @@ TOUCH_M = 1e-6
 NEAR_SHARE = 1e-3
 """Surfaces within this share of the size of a part suggest directions. A larger value finds the walls of looser
 fits."""
+STOPPED_SHARE = 1e-2
+"""How far a part is cast to see whether a touching one stops it, in its sizes."""
 OPPOSED = 1e-3
 """A touching plane blocks directions whose cosine against its normal exceeds this."""
 MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 26
@@ -486,8 +497,31 @@ class Mover:
 
     def _opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
-        against = self.contacts.normals @ np.array(direction) < -OPPOSED
-        return set(self.contacts.parts[against & self._is_reliable].tolist()) - self.passed
+        against = (self.contacts.normals @ np.array(direction) < -OPPOSED) & self._is_reliable
+        rows: dict[int, list[int]] = {}
+        for row in np.flatnonzero(against).tolist():
+            rows.setdefault(int(self.contacts.parts[row]), []).append(row)
+        return {part for part in rows.keys() - self.passed if self._is_stopped(part, direction, rows[part])}
+
+    def _is_stopped(self, part: int, direction: Direction, rows: Sequence[int]) -> bool:
+        """Whether a touching part is against a direction. Faces that lie on each other are; the rims of holes that are
+        one behind the other touch, too, with the normals of their walls: an exact cast decides."""
+        if any(self._is_flat(row) for row in rows):
+            return True
+        end = self._moved(direction, STOPPED_SHARE * self.size)
+        return self.rest.only([part]).cast(self.tool, np.eye(4), end, touching="free") is not None
+
+    def _is_flat(self, row: int) -> bool:
+        """Whether a contact is one of faces that look at each other along its normal."""
+        contacts, normal = self.contacts, self.contacts.normals[row]
+        ways = []
+        for of, offsets, mesh in (
+            (contacts.mockup_triangles, contacts.mockup_offsets, self.rest.mockup),
+            (contacts.tool_triangles, contacts.tool_offsets, self.tool),
+        ):
+            along = face_normals(mesh.vertices[mesh.faces[of[offsets[row] : offsets[row + 1]]]]) @ normal
+            ways.append({float(np.sign(each)) for each in along[np.abs(along) >= SAME_PLANE]})
+        return any(-way in ways[1] for way in ways[0])
 
     @cached_property
     def _is_reliable(self) -> npt.NDArray[np.bool_]:

@@ -29,6 +29,7 @@ from feeler.plan.fastener_view import (
     article,
     bearing_of,
     mm,
+    shank_of,
     thread_of,
     wing_tip,
     wings_of,
@@ -96,6 +97,33 @@ ROUND_HEAD = (1.6, 3.2)
 """Diameter of its head, relative to its shank: 2 to 2.6 in DIN 603."""
 ROUND_HEIGHT = (0.15, 1.0)
 """Height of its head, in diameters of its shank: 0.5 to 0.6 in DIN 603."""
+
+STANDOFF = (0.75, 1.15)
+"""Radius of the thread in the top of a standoff, relative to that below it: the same size, as core or outside."""
+STANDOFF_DEPTH = 0.7
+"""The least depth of that thread, in diameters."""
+
+
+def standoff(view: View) -> Found | None:
+    """A hexagon with a thread below it, and a blind one of the same size in its top."""
+    full = view.high - view.low
+    heads = [b for b in view.outer() if b.sides == 6]
+    bores = [b for b in view.inner() if not b.sides and b.high > view.high - 0.1 * full]
+    if len(heads) != 1 or not bores or view.is_hollow():
+        return None
+    head, bore = heads[0], min(bores, key=lambda b: b.radius)
+    shank = shank_of(view, head.low, head.radius)
+    if shank is None or view.high - head.high > TOP_SHARE * head.height:
+        return None
+    radius, length = shank
+    is_usual = THREAD_TO_FLATS[0] <= radius / head.radius <= THREAD_TO_FLATS[1]
+    is_alike = STANDOFF[0] <= bore.radius / radius <= STANDOFF[1]
+    is_blind = bore.low > head.low - 0.5 * length and bore.height >= STANDOFF_DEPTH * 2.0 * radius
+    if not (is_usual and is_alike and is_blind) or _steps(view, head.low, radius):
+        return None
+    flats, size = 2.0 * head.radius, 2.0 * radius
+    because = f"a hexagon, {mm(flats)} across flats, on a thread of {mm(size)}, with one in its top"
+    return Found("bolt", size, flats, length, view.high - head.low, 0.9 * head.radius, because, PRISMS[6])
 
 
 def hexagon_headed(view: View) -> Found | None:
@@ -375,5 +403,5 @@ def _steps(view: View, bearing: float, radius: float) -> bool:
     return any(b.radius < STEP * radius and b.low < bearing and b.height > 0.25 * length for b in view.outer())
 
 
-LESS_USUAL = (hexagon_headed, recessed, carriage_bolt)
+LESS_USUAL = (standoff, hexagon_headed, recessed, carriage_bolt)
 """The forms, in the order in which they are tried."""

@@ -28,7 +28,8 @@ STANDARDS = {
     "bolt": "478 479 480 603 609 910 931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
     "screw": "84 316 653 906 908 912 913 914 915 916 923 963 964 965 966 1207 1580 2009 4026 4027 4028 4029 4762 "
     "6304 6306 7045 7046 7047 7379 7380 7984 7985 7991 10642",
-    "nut": "315 934 936 439 555 985 982 1587 4032 4033 4034 4035 6923 7040 10511",
+    "nut": "315 431 439 466 467 546 547 548 555 557 562 917 934 935 936 937 979 980 981 982 985 986 1587 1804 2982 "
+    "4032 4033 4034 4035 6330 6331 6923 6924 7040 7042 10511 70852",
     "stud": "835 938 939 976",
 }
 """Numbers of DIN and ISO standards by kind of fastener."""
@@ -41,7 +42,8 @@ BY_HAND = (
 
 RETAINERS = {
     "circlip": "circlip circlips snapring snaprings retainingring retainingrings seeger seegerring sicherungsring "
-    "wellensicherungsring bohrungssicherungsring sicherungsscheibe haltering sprengring eclip eclips",
+    "wellensicherungsring bohrungssicherungsring sicherungsscheibe haltering sprengring eclip eclips "
+    "ering erings",
     "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift zylinderstift passstift "
     "spannstift kegelstift kerbstift splint splinte sicherungssplint federsplint federstecker klappstecker spannhuelse "
     "spannhulse springpin springpins taperpin hairpin hairpins hairpinclip hairpinclips rclip rclips betaclip "
@@ -63,6 +65,22 @@ RETAINERS_FIRST = {
     "fitting": "raccord raccords raccordo raccordi racor racores",
 }
 """The same in languages in which they come first."""
+
+PLACES = (
+    "upper lower top bottom front rear back left right lh rh inner outer inside outside internal external middle "
+    "centre center inboard outboard fore aft half halves first second third small big large short long oben unten "
+    "vorn vorne hinten links rechts innen aussen mitte mittig gross klein kurz lang oberteil unterteil halfte "
+    "haelfte obere untere vordere hintere linke rechte avant arriere haut bas gauche droite droit interieur "
+    "exterieur superieur inferieur milieu petit grand anteriore posteriore superiore inferiore sinistro destro "
+    "sinistra destra interno esterno piccolo grande delantero trasero superior inferior izquierdo izquierda derecho "
+    "derecha interior exterior pequeno"
+)
+"""Words behind a noun that say where or how large it is."""
+
+KEEPERS = (
+    "cover covers holder holders plate plates bracket brackets housing guard pliers groove tool deckel halter zange"
+)
+"""Last words of names of what is for a circlip, and is none."""
 
 RETAINER_STANDARDS = {
     "circlip": "464 471 472 983 984 6799 7993",
@@ -94,6 +112,8 @@ _RETAINER_OF_WORD = {word: kind for kind, words in RETAINERS.items() for word in
 _RETAINER_OF_FIRST = {word: kind for kind, words in RETAINERS_FIRST.items() for word in words.split()}
 _RETAINER_OF_STANDARD = {number: kind for kind, numbers in RETAINER_STANDARDS.items() for number in numbers.split()}
 _BY_HAND = frozenset(BY_HAND.split())
+_PLACES = frozenset(PLACES.split())
+_KEEPERS = frozenset(KEEPERS.split())
 _PIPES = frozenset(PIPES.split())
 _OTHERS = frozenset(OTHERS.split())
 _GENERIC = frozenset(GENERIC.split())
@@ -124,11 +144,23 @@ def retainer_said(name: str) -> str | None:
     number = "" if standard is None else standard.group().lstrip("DINSOEdinsoe _-")
     if number in _RETAINER_OF_STANDARD:
         return _RETAINER_OF_STANDARD[number]
-    every = words(_without_accents(name))
+    plain = _without_accents(name)
+    # "retaining ring, external" is one: words after a comma may describe it.
+    phrases = dict.fromkeys([plain, re.split(r"[,;(]", plain)[0]])
+    return next((said for said in map(_retainer, phrases) if said is not None), None)
+
+
+def _retainer(phrase: str) -> str | None:
+    """As `retainer_said`, of words without accents."""
+    every = words(phrase)
+    while every and every[-1] in _PLACES:
+        every.pop()
     said = [word for word in every if len(word) > 1]
     for last in ("".join(every[-2:]), "".join(said[-2:]), *said[-1:]):
         if last in _RETAINER_OF_WORD:
             return _RETAINER_OF_WORD[last]
+    if said and said[-1] in _KEEPERS:
+        return None
     nouns = [word for word in said if len(word) > 2]  # without "de", "di"
     pairs = [first + second for first, second in itertools.pairwise(nouns)]
     return next((_RETAINER_OF_FIRST[word] for word in [*nouns, *pairs] if word in _RETAINER_OF_FIRST), None)
@@ -146,7 +178,8 @@ def is_pipe(name: str) -> bool:
 
 
 def _without_accents(name: str) -> str:
-    return "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
+    plain = unicodedata.normalize("NFKD", name.replace("\u00df", "ss"))
+    return "".join(each for each in plain if not unicodedata.combining(each))
 
 
 def words(name: str) -> list[str]:

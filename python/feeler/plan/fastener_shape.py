@@ -73,6 +73,10 @@ STEPPED = 1.1
 THICK_NUT = 0.08
 """The least bore, relative to the width across flats, of a nut whose name says so: other thick prisms with a hole are
 spacers and knobs."""
+WIDE_NUT = (BORE_TO_FLATS[1], 0.92)
+"""The bore of a lock nut, relative to its width across flats: 0.7 to 0.84 for sensors, up to 0.9 for cable glands."""
+WIDE_NUT_HEIGHT = (0.08, 1.0)
+"""Its height, relative to its width across flats: 0.1 and more for cable glands; spacers are longer."""
 BORE_TO_12_POINT = 0.86
 """The same limit for a 12-point nut: M8 has 10 mm across flats."""
 WIDEST_FLANGE = 2.0
@@ -381,7 +385,14 @@ def _recessed_screw(view: View) -> Found | None:
     return Found("screw", size, flats, length, view.high - bearing, head, because, recess.drive, width=recess.width)
 
 
-def _nut(view: View, narrowest: float = BORE_TO_FLATS[0]) -> Found | None:
+def _nut(
+    view: View,
+    to_flats: tuple[float, float] = BORE_TO_FLATS,
+    to_points: float = BORE_TO_12_POINT,
+    heights: tuple[float, float] = NUT_HEIGHT,
+) -> Found | None:
+    """A prism with a bore. to_flats: the bore, relative to the width across flats; to_points: its limit for 12 points;
+    heights: relative to that width."""
     prisms = [b for b in view.outer() if b.sides]
     bores = [b for b in view.inner() if b.sides or b.directions != 6]  # six directions may be a castle nut's slots
     if not prisms or not bores:
@@ -398,9 +409,9 @@ def _nut(view: View, narrowest: float = BORE_TO_FLATS[0]) -> Found | None:
     if is_blind and not (bore.low < view.low + 0.15 * full and bore.height > 0.35 * full):
         return None
     least = float(view.r[view.z < bore.high - 0.1 * bore.height].min())
-    if not narrowest <= least / body.radius <= (BORE_TO_12_POINT if body.sides == 12 else BORE_TO_FLATS[1]):
+    if not to_flats[0] <= least / body.radius <= (to_points if body.sides == 12 else to_flats[1]):
         return None
-    if not NUT_HEIGHT[0] <= full / (2.0 * body.radius) <= NUT_HEIGHT[1] or body.height < 0.4 * full:
+    if not heights[0] <= full / (2.0 * body.radius) <= heights[1] or body.height < 0.4 * full:
         return None
     if not least > 0.6 * bore.radius:
         return None  # something closes the bore
@@ -432,8 +443,19 @@ def _nut(view: View, narrowest: float = BORE_TO_FLATS[0]) -> Found | None:
 
 def _thick_nut(view: View) -> Found | None:
     """A nut whose bore is narrow for its width."""
-    found = _nut(view, THICK_NUT)
+    found = _nut(view, (THICK_NUT, BORE_TO_FLATS[1]))
     return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
+
+
+def _wide_nut(view: View) -> Found | None:
+    """A low nut whose bore is wide for its width: a lock nut. Rings look so too, so its name or its thread decides."""
+    found = _nut(view, WIDE_NUT, WIDE_NUT[1], WIDE_NUT_HEIGHT)
+    return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
+
+
+def is_wide(looks: Looks) -> bool:
+    """Whether a shape is a lock nut as far as it shows."""
+    return looks.kind == "nut" and looks.is_known_by_name and looks.size > WIDE_NUT[0] * looks.across_flats
 
 
 def _wing_nut(view: View) -> Found | None:
@@ -525,4 +547,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
-_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut)

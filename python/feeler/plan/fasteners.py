@@ -17,7 +17,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import is_by_hand, kind_said, says_nothing
-from feeler.plan.fastener_shape import Looks, bore_of, looks_of, rod_of
+from feeler.plan.fastener_shape import Looks, bore_of, is_wide, looks_of, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
 from feeler.progress import Progress
@@ -52,6 +52,13 @@ ROD_FULL = 0.6
 ROD_SLENDER = 1.5
 """The least length of a stud in a nut, in diameters."""
 
+THREAD_PLAY = 1.014
+"""The diameter of a nut's bore, relative to the thread in it, at most; clearance holes are wider."""
+
+_IN_BORE = 24  # rays into a bore
+_WALL = 0.98  # where they begin at most, in halves of the width across flats
+_FILLED = 0.8  # the share of them that meets the thread
+_FACETS = 0.93  # how near to the axis the facets of a thread come, relative to the bore
 _AROUND = 12  # rays from each end, around the axis
 _RAY_BEGIN = 1e-3  # their distance from the end, as a share of the height
 _FAR = 5.0  # heights beyond which a hit need not be the joint
@@ -203,12 +210,16 @@ def find_fasteners(
     if isinstance(mockup, Scene):
         chosen = chosen[mockup.part_mask[chosen]]
     found = _looked_at(world, chosen, progress)
+    scene = mockup if isinstance(mockup, Scene) else None
+    if any(row.confidence < LEAST_CONFIDENCE for row, _ in found):
+        scene = scene or Scene(world)
+        found = list(_sure(scene, found))
     unsure = [i for i, (_, looks) in enumerate(found) if looks.is_two_sided]
     rows = [row for row, _ in found]
     if unsure:
         if progress is not None:
             progress(0.8, "looking which end is outside")
-        scene = mockup if isinstance(mockup, Scene) else Scene(world)
+        scene = scene or Scene(world)
         mask = scene.part_mask.copy()
         mask[[row.part for row in rows if row.kind == "nut"]] = False  # nuts on one axis lock each other
         for i, row in zip(unsure, _turned_out(scene.only(mask), [found[i] for i in unsure]), strict=True):
@@ -229,7 +240,8 @@ def shaped_as_fasteners(mockup: Mockup) -> npt.NDArray[np.int64]:
 
 
 def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress | None) -> list[tuple[Fastener, Looks]]:
-    """The fasteners among the parts, each with its looks; which of two equal ends is outside is still open."""
+    """The fasteners among the parts, each with its looks; which of two equal ends is outside is still open. Of less
+    than `LEAST_CONFIDENCE` are nuts that only a thread in their bore shows."""
     said = [kind_said(name) for name in world.part_names]
     is_naming = any(kind in KINDS for kind in said)
     small = _small(world, chosen)
@@ -241,6 +253,30 @@ def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress 
         if progress is not None:
             progress(0.8 * done / len(small), "looking at parts")
     return found
+
+
+def _sure(scene: Scene, found: list[tuple[Fastener, Looks]]) -> Iterator[tuple[Fastener, Looks]]:
+    """Those of sufficient confidence, and the others in whose bore a thread is: something round, as wide as it."""
+    for row, looks in found:
+        if row.confidence >= LEAST_CONFIDENCE:
+            yield row, looks
+        elif _has_thread(scene, row):
+            yield replace(row, confidence=WEAK, because=f"{row.because}; a thread as wide is in it"), looks
+
+
+def _has_thread(scene: Scene, nut: Fastener) -> bool:
+    """Whether something round fills the bore of a nut: rays begin in its wall, at the middle of its height."""
+    turn = np.arange(_IN_BORE) * (2.0 * np.pi / _IN_BORE)
+    ways = np.stack([np.cos(turn), np.sin(turn), np.zeros(_IN_BORE)], axis=1) @ nut.frame[:3, :3].T
+    begin = min(_WALL * 0.5 * nut.across_flats, ROD_TO_BORE[1] * 0.5 * nut.size)
+    middle = nut.frame[:3, 3] - 0.5 * nut.length * nut.axis
+    mask = scene.part_mask.copy()
+    mask[nut.part] = False
+    hits = scene.only(mask).rays(middle + begin * ways, -ways, within=begin)
+    parts, radii = np.asarray(hits.parts), begin - np.asarray(hits.distances)
+    is_own = (np.asarray(hits.triangles) >= 0) & (parts == np.bincount(np.maximum(parts, 0)).argmax())
+    is_round = (is_own & (radii >= _FACETS * 0.5 * nut.size)).mean() >= _FILLED
+    return bool(is_round and THREAD_PLAY * radii[is_own].max() >= 0.5 * nut.size)
 
 
 def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -> list[Fastener]:
@@ -294,7 +330,7 @@ def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64
 
 
 def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool) -> list[tuple[Fastener, Looks]]:
-    """The fasteners among the parts of one shape."""
+    """The fasteners among the parts of one shape, as `_looked_at`."""
     faces = wound(shape.vertices, shape.faces)
     looks = looks_of(shape.vertices, faces)
     names = [said[part] for part in shape.parts]
@@ -306,16 +342,19 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
         if seen is None:
             continue
         confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
-        if confidence < LEAST_CONFIDENCE:
+        if confidence < LEAST_CONFIDENCE and (name == "other" or not is_wide(seen)):
             continue
         kind = _kind(seen, name)
+        wide = bore if bore is not None and kind == "nut" else None
+        if wide is not None:
+            seen = replace(seen, ring=0.25 * (wide + seen.size))  # in its bore rays only meet the thread
         voice = "; its name says another thing" if name == "other" else f"; its name says {name}" if name else ""
         row = Fastener(
             part=part,
             path=world.part_paths[part],
             kind=kind,
             frame=framed(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
-            size=bore if bore is not None and kind == "nut" else seen.size,
+            size=seen.size if wide is None else wide,
             across_flats=seen.across_flats,
             length=seen.length,
             head_height=seen.head_height,
@@ -349,8 +388,9 @@ def _kind(looks: Looks, name: str | None) -> FastenerKind:
 
 
 def framed(origin: Floats, axis: Floats) -> Floats:
-    """A frame with z along an axis; x is perpendicular to the coordinate axis least aligned with it."""
-    x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    """A frame with z along an axis; x is perpendicular to the coordinate axis least aligned with it, the first of those
+    that are by rounding."""
+    x = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 6)))])
     x /= np.linalg.norm(x)
     frame = np.eye(4)
     frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(axis, x), axis, origin

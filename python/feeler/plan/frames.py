@@ -104,6 +104,11 @@ def is_face_normal(line: Floats, corners: Floats) -> bool:
     return bool((np.abs(_normals(corners)[0] @ line) >= SAME_PLANE).any())
 
 
+def face_normals(corners: Floats) -> Floats:
+    """The unit normals `(k, 3)` of those of some triangles that have one."""
+    return _normals(corners)[0]
+
+
 def _normals(corners: Floats) -> tuple[Floats, Floats]:
     """Units `(k, 3)`, and areas."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -194,6 +194,12 @@ class Actions:
                 self._holders[node] += [frozenset([each]) for each in self.question.undone]
         return self._holders[node]
 
+    def kept_holders(self, node: int) -> list[int]:
+        """The kept fasteners that hold a part to what stays."""
+        own = set(self.question.parts_of([node]))
+        held = {each for part in own for each in self.fixings.by_joined.get(part, ())}
+        return sorted(each for each in held & self.question.kept if not set(self.fixings.joins(each)) <= own)
+
     def certain(self, item: int) -> Sequence[frozenset[int]]:
         """The joints of a part that are undone in any case: those of it with all that can ride on it."""
         return self.holders(item, self.riding(item))

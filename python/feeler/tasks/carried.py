@@ -112,7 +112,7 @@ class Carried:
         mask = question.scene.part_mask
         for part in fixings:
             joined = [each for each in fixings.joins(part) if mask[each]]
-            if mask[part] and joined:
+            if mask[part] and joined and part not in fixings.loose:
                 axis = frozenset([part, *fixings.axis_mates(part)])
                 edge = _Edge(axis, frozenset(map(question.node_of, (part, *joined))))
                 for each in edge.members:

@@ -19,7 +19,7 @@ from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
-from feeler.tasks.passing import LEVELS, Passed, in_bore, passed_by
+from feeler.tasks.passing import LEVELS, Passed, in_bore, is_against, passed_by
 from feeler.tasks.retainers import gripped
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
@@ -64,8 +64,19 @@ class Fixing:
 class Fixings:
     """All fasteners of a scene."""
 
-    def __init__(self, scene: Scene, rows: Fasteners, held: Holds, times: Arithmetic) -> None:
-        self.scene, self.times = scene, times
+    def __init__(
+        self,
+        scene: Scene,
+        rows: Fasteners,
+        held: Holds,
+        times: Arithmetic,
+        loose: frozenset[int] = frozenset(),
+        riding: frozenset[int] = frozenset(),
+    ) -> None:
+        """loose: plugs that do not leave with the part that they are in; riding: circlips that do, and join it to
+        nothing."""
+        self.scene, self.times, self.loose, self.riding = scene, times, loose, riding
+        self.held = held
         self._held = {hold.fastener: hold for hold in held}
         # Others are no fasteners, whatever their names say.
         self._rows = {row.part: row for row in rows if row.part in self._held}
@@ -98,6 +109,11 @@ class Fixings:
             if hold.kind in LOCKS and scene.part_mask[hold.fastener]:
                 for part in (*hold.parts, *([] if hold.anchor is None else [hold.anchor])):
                     self._locks.setdefault(part, []).append(hold.fastener)
+        self.nuts: dict[int, frozenset[int]] = {}
+        """The nuts of each rod that is fastened in nothing but these, and those of studs that are turned out."""
+        for hold in held:
+            if hold.kind == "nut" and hold.anchor in self._held and self._is_rod(hold.anchor):
+                self.nuts[hold.anchor] = self.nuts.get(hold.anchor, frozenset()) | {hold.fastener}
         self.by_joined: dict[int, list[int]] = {}
         """Fasteners by the parts that they join."""
         for hold in held:
@@ -110,6 +126,11 @@ class Fixings:
     def __iter__(self) -> Iterator[int]:
         return iter(part for part, hold in self._held.items() if hold.kind not in _STAY)
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing that holds parts, studs and nuts included."""
+        return not self._held
+
     def of(self, part: int) -> Fixing:
         """The fastener of a part."""
         if part not in self._known:
@@ -119,7 +140,7 @@ class Fixings:
     def joins(self, part: int) -> tuple[int, ...]:
         """The parts that a fastener joins, without itself."""
         hold = self._held[part]
-        if hold.kind in _LOOSE or not hold.parts:
+        if hold.kind in _LOOSE or part in self.riding or not hold.parts:
             return ()
         ends = [*hold.parts, self._end(hold), *self._grips(hold)]
         return tuple(dict.fromkeys(each for each in ends if each is not None and each != part))
@@ -129,16 +150,21 @@ class Fixings:
         return tuple(each for each in self._held[part].mates if each in self)
 
     def locks(self, part: int) -> list[int]:
-        """The pins that go through a fastener: it is not turned before these are out."""
-        return [each for each in self._locks.get(part, []) if each != part]
+        """The pins that go through a fastener, and the nuts on a stud: it is not turned before these are out."""
+        return [each for each in (*self._locks.get(part, []), *sorted(self.nuts.get(part, ()))) if each != part]
 
     def is_turned(self, part: int) -> bool:
         """Whether a fastener is turned by a tool."""
         return part in self and part in self._rows and part not in self._axles
 
+    def _is_rod(self, part: int) -> bool:
+        """Whether nuts are undone before a stud leaves: it is in nothing else, or it is turned out."""
+        row, hold = self._rows.get(part), self._held[part]
+        return row is not None and row.kind == "stud" and (hold.anchor is None or hold.kind != "stud")
+
     def is_plug(self, part: int) -> bool:
-        """Whether a fastener holds itself alone."""
-        return self._held[part].parts == (part,)
+        """Whether a fastener holds itself alone, and leaves with what it is in."""
+        return self._held[part].parts == (part,) and part not in self.loose
 
     def anchor(self, part: int) -> int | None:
         """What a fastener is fastened in."""
@@ -178,6 +204,8 @@ class Fixings:
     def _is_kept_on(self, nut: Fastener, own: Tool, pipe: int) -> bool:
         """Whether a nut cannot be drawn off a part in its bore: a bend of it is in the way, near the nut or far."""
         alone = self.scene.only([pipe])
+        if not self._is_around(alone, nut, 0.0):
+            return False  # it lies on it
         step = 2.0 * float(np.linalg.norm(own.bounds[1] - own.bounds[0]))
         if alone.is_colliding(own, np.eye(4)) or alone.cast(own, np.eye(4), _along(nut, step), touching="free"):
             return True
@@ -223,12 +251,15 @@ class Fixings:
         return self._gripped[hold.fastener]
 
     def _end(self, hold: Hold) -> int | None:
-        """The part that it is fastened in: through its stud, not through its nut."""
+        """The part that it is fastened in: through its stud, not through its nut. A stud that is fastened in nothing is
+        held by its nuts."""
         anchor, seen = hold.anchor, {hold.fastener}
         while anchor in self._held and anchor not in seen:
             seen.add(anchor)
             if self._held[anchor].kind != "stud":
                 return None if anchor in hold.mates else anchor  # a fitting, or a pin with a circlip
+            if self._held[anchor].anchor is None:
+                return anchor
             anchor = self._held[anchor].anchor
         return anchor
 
@@ -265,7 +296,8 @@ class Fixings:
         nuts = [self._rows[mate] for mate in hold.mates if mate in self._rows]
         if nuts:
             return row.size, nuts[0].length + _beyond(nuts[0], row)
-        thread = [each for each in next(iter(passed_by(self._bare, [row]))) if each.part == anchor]
+        around = self.scene.only([anchor]) if anchor in self._rows else self._bare
+        thread = [each for each in next(iter(passed_by(around, [row]))) if each.part == anchor]
         head = row.head_height if math.isfinite(row.head_height) else 0.0
         if thread and math.isfinite(row.length):
             # It is turned until its end is out of the thread, also where it stands out behind.
@@ -279,9 +311,12 @@ class Fixings:
         around = np.stack([np.cos(angles), np.sin(angles), np.zeros(_BESIDE)], axis=1) * _RIM * 0.5 * row.size
         start = thread.top + 1.5 * step
         origins = (around + np.array([0.0, 0.0, start])) @ row.frame[:3, :3].T + row.frame[:3, 3]
-        hits = self.scene.only([thread.part]).rays(origins, np.tile(-row.axis, (_BESIDE, 1)))
+        ways = np.tile(-row.axis, (_BESIDE, 1))
+        hits = self.scene.only([thread.part]).rays(origins, ways)
         heights = start - np.asarray(hits.distances)
-        near = heights[heights >= thread.bottom]  # in a wider pocket the thread begins at its floor
+        # In a wider pocket the thread begins at its floor. Of a screw that is sunk in it rays begin in the part.
+        is_outside = (np.asarray(hits.triangles) >= 0) & is_against(self.scene, np.asarray(hits.triangles), ways)
+        near = heights[(heights >= thread.bottom) & is_outside]
         return float(np.median(near)) if 2 * len(near) >= _BESIDE else thread.top + 0.5 * step
 
     def _sorted_washers(self, held: Holds) -> dict[int, list[int]]:

@@ -20,7 +20,7 @@ from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
 from feeler.tasks.clamping import clamped_beside
 from feeler.tasks.cotters import cotters_of
-from feeler.tasks.passing import Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
+from feeler.tasks.passing import SEAT, Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
 from feeler.tasks.threaded_bodies import threaded_bodies
@@ -330,7 +330,7 @@ class _Holding:
             anchor = min((each for each in passed if each.part in inserts), key=lambda each: each.bottom)
         if anchor is not None and anchor.part in inserts:
             anchor = replace(anchor, part=inserts[anchor.part])
-        anchor = anchor or self._around_tip(row, passed)
+        anchor = anchor or self._in_fastener(row) or self._around_tip(row, passed)
         passed = [each for each in passed if inserts.get(each.part) != _part(anchor) or anchor is None]
         if is_stud:
             said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
@@ -384,10 +384,10 @@ class _Holding:
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
         """What a head or a nut bears on, through its washers, also beside the shank."""
         height = row.length if row.kind == "nut" else row.head_height
-        if not np.isfinite(height) or not height > 0.0:
+        if not np.isfinite(height) or not height > SEAT * row.size:
             return []
         below, wide = self._face(row, washers)
-        parts = borne(self.bare.without(washers) if washers else self.bare, row, below, wide)
+        parts = borne(self.windings, self.bare.without(washers) if washers else self.bare, row, below, wide)
         return [Passed(part, below, below, 0.0) for part in parts]
 
     def _face(self, row: Fastener, washers: list[int]) -> tuple[float, float]:
@@ -501,6 +501,19 @@ class _Holding:
         """The deepest part that the shank is tight in."""
         tight = [each for each in passed if _is_tight(row, each)]
         return min(tight, key=lambda each: each.bottom, default=None)
+
+    def _in_fastener(self, row: Fastener) -> Passed | None:
+        """Another fastener that the shank has its thread in: a standoff, a bolt with a hole in its end."""
+        if not _finite(row.length) > 0.0:
+            return None
+        tip = row.frame[:3, 3] - (_head(row) + TIP * row.length) * row.axis
+        bounds = self.mockup.part_bounds.reshape(-1, 2, 3)
+        others = [each.part for each in self.fasteners if each is not row and each.kind != "nut"]
+        near = [part for part in others if (bounds[part, 0] <= tip).all() and (tip <= bounds[part, 1]).all()]
+        if not near:
+            return None
+        passed = next(iter(passed_by(self.scene.only(near), [row])))
+        return self._anchor(row, [each for each in passed if each.radius > 0.0])
 
     def _inserts(self, row: Fastener, passed: list[Passed]) -> dict[int, int]:
         """The threaded inserts that a shank is in, and the part that each is in."""

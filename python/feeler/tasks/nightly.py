@@ -61,7 +61,7 @@ EYE_M = 0.35
 LEAST_LEFT_S = 10.0
 """Shorter times that are left are not said."""
 _UNREACHED = "no tool reaches it"
-_VERSION = 3
+_VERSION = 4
 """Of what rows mean: a row of another version is not kept."""
 
 
@@ -467,7 +467,9 @@ class _Night:
 
     def _is_kept(self, run: Maintenance, plan: Plan) -> bool:
         is_same = all(run.options.get(name) == self._options[name] for name in ("version", "tools", "times", "search"))
-        return is_same and not plan.is_cut and not plan.error and not self._changes[id(run)].bearing_on(plan.regions)
+        changes = self._changes[id(run)]
+        is_borne_on = changes.is_beyond or bool(changes.bearing_on(plan.regions))
+        return is_same and not plan.is_cut and not plan.error and not is_borne_on
 
     def run(self, answers: Mapping[int, _Row]) -> Maintenance:
         """The run, with the answers to some jobs."""

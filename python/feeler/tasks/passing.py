@@ -33,7 +33,8 @@ _THIN = 0.01  # of the length of a shank
 _NARROW, _FEW = 0.2, 5  # a share of the heights of a hole, and the least number of them
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
-_SEAT = 0.02  # a head bears on what is this near, in diameters
+SEAT = 0.02
+"""A head bears on what is this near, in diameters; one that is no higher is a cone, which bears in its hole."""
 _SEATED = 36  # rays around its axis
 _SEAT_SHARES = (0.1, 0.35, 0.6, 0.8, 0.95)  # where they begin, between the shank and the edge of the head
 _SEAT_LEAST = 0.08  # the share of them that hit a part
@@ -185,12 +186,12 @@ def through(scene: Scene, origins: Floats, ways: Floats, lengths: Floats) -> tup
         is_hit = (np.asarray(hits.triangles) >= 0) & (gone[left] <= lengths[left])
         left, owners = left[is_hit], np.asarray(hits.parts, dtype=np.int64)[is_hit]
         far[left, n], parts[left, n] = gone[left], owners
-        enters[left, n] = _against(scene, np.asarray(hits.triangles)[is_hit], ways[left])
+        enters[left, n] = is_against(scene, np.asarray(hits.triangles)[is_hit], ways[left])
         gone[left] += _STEP
     return far, parts, enters
 
 
-def _against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool_]:
+def is_against(scene: Scene, triangles: Ints, ways: Floats) -> npt.NDArray[np.bool_]:
     """Whether the normals of triangles are against some directions."""
     corners = scene.mockup.vertices[scene.mockup.faces[triangles]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -221,7 +222,7 @@ class Windings:
         hits = self.scene.only([part]).rays(origin[None], way[None], within=within)
         if int(np.asarray(hits.triangles)[0]) < 0:
             return 0.0
-        enters = bool(_against(self.scene, np.asarray(hits.triangles), way[None])[0])
+        enters = bool(is_against(self.scene, np.asarray(hits.triangles), way[None])[0])
         return float(np.asarray(hits.distances)[0]) if enters != self.is_inside_out(part) else 0.0
 
 
@@ -244,7 +245,8 @@ def _solid(scene: Scene, frames: Floats, spans: Floats) -> list[list[Passed]]:
         for part, at in own.items():
             (first, begins), (last, goes_on) = at[0], at[-1]
             is_turned = windings.is_inside_out(part)
-            if first >= tip:
+            # What ends at the top lies on a head that is flush, as a cone in its hole is.
+            if first >= tip or (begins == goes_on == is_turned and last <= above[n]):
                 continue
             down = -frames[n, :3, 2]
             if begins == is_turned:
@@ -305,7 +307,7 @@ def under(scene: Scene, row: Fastener, within: float) -> list[int]:
         return []
     wide = row.across_flats if np.isfinite(row.across_flats) and row.across_flats > row.size else 1.2 * row.size
     radius = 0.25 * (row.size + wide)
-    play = _SEAT * row.size  # what is flush is in it by rounding
+    play = SEAT * row.size  # what is flush is in it by rounding
     origins = row.frame[:3, 3] + (play - height) * row.axis + radius * (_ring() @ row.frame[:3, :3].T)
     hits = scene.rays(origins, np.broadcast_to(-row.axis, (_AROUND, 3)), within=play + within)
     names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
@@ -322,22 +324,37 @@ def surrounding(scene: Scene, point: Floats, frame: Floats, within: float) -> in
     return int(names[int(np.argmax(counts))])
 
 
-def borne(scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
+def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
     """The parts that a head, a nut or its washers bear on at a height, beside its shank too.
 
-    scene: without the fasteners; below: the height of the bearing face in the frame of the fastener; wide: its
-    diameter, metres.
+    windings: of the whole scene; scene: without the fasteners; below: the height of the bearing face in the frame of
+    the fastener; wide: its diameter, metres.
     """
     if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
         return []
-    play, ring = _SEAT * row.size, _ring(_SEATED) @ row.frame[:3, :3].T
+    play, ring = SEAT * row.size, _ring(_SEATED) @ row.frame[:3, :3].T
     found: dict[int, int] = {}
     for share in _SEAT_SHARES:
         radius = 0.5 * (row.size + share * (wide - row.size))
         origins = row.frame[:3, 3] + (below + play) * row.axis + radius * ring
-        hits = scene.rays(origins, np.broadcast_to(-row.axis, origins.shape), within=2.0 * play)
-        names, counts = np.unique(np.asarray(hits.parts)[np.asarray(hits.triangles) >= 0], return_counts=True)
+        parts = _entered(windings, scene, origins, -row.axis, 2.0 * play)
+        names, counts = np.unique(parts[parts >= 0], return_counts=True)
         for name, count in zip(names.tolist(), counts.tolist(), strict=True):
             if count >= _SEAT_LEAST * _SEATED:
                 found[int(name)] = max(found.get(int(name), 0), int(count))
     return sorted(found, key=lambda name: (-found[name], name))
+
+
+def _entered(windings: Windings, scene: Scene, origins: Floats, way: Floats, within: float) -> Ints:
+    """The first part that each ray enters, (n,), -1 for none: a part around its origin, which ends there, is none."""
+    ways = np.broadcast_to(way, origins.shape)
+    hits = scene.rays(origins, ways, within=within)
+    parts = np.where(np.asarray(hits.triangles) >= 0, np.asarray(hits.parts, dtype=np.int64), -1)
+    is_left = parts >= 0
+    turned = np.array([windings.is_inside_out(part) for part in parts[is_left].tolist()], dtype=bool)
+    is_left[is_left] = is_against(scene, np.asarray(hits.triangles)[is_left], ways[is_left]) == turned
+    if is_left.any():
+        # Where faces are flush, a ray meets one of two parts alone.
+        rest = scene.without(sorted(set(parts[is_left].tolist())))
+        parts[is_left] = _entered(windings, rest, origins[is_left], way, within)
+    return parts

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,12 +33,15 @@ from feeler.tasks.fixings import Fixings
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
+from feeler.tasks.plugs import plugs_in_the_way
 from feeler.tasks.problem import Ordered, Unit
 from feeler.tasks.reached import Tooled
 from feeler.tasks.replanning import Found as Known
 from feeler.tasks.replanning import Memory
+from feeler.tasks.riding_rings import better, riding_rings
 from feeler.tasks.search import Found, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
+from feeler.tasks.studs import with_wanted_studs
 from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
 from feeler.tasks.together import Together
 from feeler.words import plural
@@ -143,27 +147,62 @@ def planned(
     reaching = memory.reaching(scene, tools, workers, table.times.pitches_mm)
     clock = Pace(limit, progress)
 
-    def look() -> Known:
+    @cache
+    def looked() -> tuple[Fasteners, Holds]:
         clock.stage(FOUND, "looking for fasteners")
         rows = find_fasteners(scene, None, clock.heard) if fasteners is None else fasteners
         check_kind("fasteners", rows, Fasteners, "the result of feeler.find_fasteners")
         clock.stage(HELD, "looking at what they hold")
         joined = holds(scene, rows, progress=clock.heard) if held is None else held
         check_kind("held", joined, Holds, "the result of feeler.holds")
-        fixings = Fixings(scene, rows, joined, table)
-        clock.stage(READY, "looking at what leaves together")
-        return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+        return with_wanted_studs(scene, rows, joined, wanted)
 
-    known = memory.found((wanted, kept, seed), scene, look)
+    def plan(
+        riding: frozenset[int], loose: frozenset[int], gives_up: Callable[[frozenset[int]], bool]
+    ) -> tuple[Task, _Planner]:
+        """The answer with some circlips that leave with their part, and some plugs that do not."""
+
+        def look() -> Known:
+            rows, joined = looked()
+            fixings = Fixings(scene, rows, joined, table, loose, riding)
+            clock.stage(READY, "looking at what leaves together")
+            return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+
+        known = memory.found((wanted, kept, seed, loose, riding), scene, look)
+        forced = _forced(scene, before, known.question)
+        with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
+            actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
+            if known.actions is not None:
+                actions.know(known.actions)
+            known.actions = actions
+            leading = Leading(actions, clock, crew == 1, known.searched)
+            planner = _Planner(actions, leading, clock, crew, paths, forced, gives_up)
+            return planner.task(), planner
+
+    def best(riding: frozenset[int]) -> tuple[Task, _Planner]:
+        """The answer. A set screw may be in the way of its own part: it is undone if no straight way takes both out,
+        before bent ones are searched."""
+        answer, planner = plan(riding, frozenset(), bool)
+        loose = frozenset[int]()
+        while planner.plugs and not answer.is_found and clock.goes_on():
+            loose |= planner.plugs
+            answer, planner = plan(riding, loose, lambda _: True)
+        for some in [frozenset[int](), loose] if loose else []:
+            if not answer.is_found and clock.goes_on():
+                answer, planner = plan(riding, some, lambda _: False)
+        return answer, planner
+
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
-    forced = _forced(scene, before, known.question)
-    with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
-        actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
-        if known.actions is not None:
-            actions.know(known.actions)
-        known.actions = actions
-        leading = Leading(actions, clock, crew == 1, known.searched)
-        return _Planner(actions, leading, clock, crew, paths, forced).task()
+    answer, planner = best(frozenset())
+    if before:
+        return answer  # it may be about circlips
+    for riding in riding_rings(scene, planner.actions.fixings.held, answer, wanted, kept, planner.stuck):
+        if clock.goes_on():
+            try:
+                answer = better(answer, best(riding)[0])
+            except TaskInterrupted as stopped:
+                raise (TaskInterrupted(answer) if answer.is_found else stopped) from None
+    return answer
 
 
 def _forced(
@@ -215,8 +254,8 @@ def _question(
     wanted = tuple(dict.fromkeys(under.get(part, part) for part in wanted))  # washers come off with what clamps them
     own = {part for part in wanted if part not in fixings and fixings.studs.get(part, part) in (part, *wanted)}
     whole = own.union(*(body for body in bodies if body[0] in own))
-    inner = {part for part in fixings if set(fixings.joins(part)) <= whole and fixings.joins(part)}
-    undone = tuple(part for part in wanted if part in fixings and part not in inner)
+    inner = {part for part in fixings if set(fixings.joins(part)) <= whole and fixings.joins(part)} - fixings.loose
+    undone = tuple(part for part in wanted if part in fixings and part not in inner | fixings.riding)
     riders: dict[int, list[int]] = {body[0]: list(body[1:]) for body in bodies}
     lead: dict[int, int] = {part: body[0] for body in bodies for part in body[1:]}
     for part in fixings:
@@ -226,6 +265,8 @@ def _question(
             riders.setdefault(part, []).append(washer)
             lead[washer] = part
         pipe, anchor = fixings.captive_on(part), fixings.anchor(part)
+        if part in fixings.riding and anchor is not None:
+            pipe = anchor
         if pipe is not None:
             riders.setdefault(pipe, []).append(part)
             lead[part] = pipe
@@ -283,7 +324,12 @@ class _Planner:
         people: int,
         wanted: tuple[str, ...],
         forced: Mapping[int, frozenset[int]],
+        gives_up: Callable[[frozenset[int]], bool],
     ) -> None:
+        """gives_up: whether no bent ways are searched, by the plugs that may be in the way of their own parts."""
+        self.gives_up, self.plugs = gives_up, frozenset[int]()
+        self.stuck: tuple[int, ...] = ()
+        """The parts that nothing frees, and what would leave with them."""
         self.actions, self.clock, self.people, self.wanted, self.forced = actions, clock, people, wanted, forced
         self.question = actions.question
         self.mockup = self.question.scene.mockup
@@ -312,7 +358,9 @@ class _Planner:
         found = self._found(self.clock.within)
         for _ in range(MOST_PLANS):
             if found.steps is None:
-                if not (found.is_complete and self._try_bent(found)):
+                self.stuck = self.question.parts_of(found.stuck)
+                self.plugs = plugs_in_the_way(self.question.scene, self.actions.fixings, self.stuck)
+                if self.gives_up(self.plugs) or not (found.is_complete and self._try_bent(found)):
                     break
             else:
                 is_new = self._asks_before(found.steps) or self._frees_riders(found)
@@ -341,7 +389,7 @@ class _Planner:
             for step in steps:
                 if not self.actions.is_turned(step.unit.items[0]):
                     asked.append(self.leading.asked(step.unit, self._left(step, out), out))
-                out |= set(step.unit.leaving)
+                out |= self._leaving(step.unit, out)
             self.actions.ahead.try_ways([each for each in asked if each is not None])
         out = frozenset()
         for n, step in enumerate(steps):
@@ -351,7 +399,7 @@ class _Planner:
                 return None
             if one.parts:
                 checked.append(one)
-            out |= set(step.unit.leaving)
+            out |= self._leaving(step.unit, out)
         return checked
 
     def _checked_step(self, step: Ordered, out: frozenset[int]) -> _Checked | None:
@@ -390,7 +438,13 @@ class _Planner:
     def _left(self, step: Ordered, out: frozenset[int]) -> tuple[int, ...]:
         """The parts that leave in a step."""
         gone = self.actions.gone(out)
-        return tuple(part for part in self.question.parts_of(step.unit.leaving) if part not in gone)
+        return tuple(part for part in self.question.parts_of(self._leaving(step.unit, out)) if part not in gone)
+
+    def _leaving(self, unit: Unit, out: frozenset[int]) -> frozenset[int]:
+        """The items that leave in a step: with a rod the nut at its other end, if it was drawn from between them."""
+        nuts = [self.actions.fixings.nuts.get(part, frozenset()) for part in self.question.parts_of(unit.leaving)]
+        left = frozenset[int]().union(*(each - out for each in nuts if each & out))
+        return frozenset(unit.leaving) | (left - self.question.kept)
 
     def _learn(self, step: Ordered, tried: Led) -> None:
         """A motion that does not hold has more blockers than casts along it met."""
@@ -491,7 +545,7 @@ class _Planner:
                         return True
             if self._asks_riders(step.unit, out):
                 return True
-            out |= set(step.unit.leaving)
+            out |= self._leaving(step.unit, out)
         return False
 
     def _asks_riders(self, unit: Unit, out: frozenset[int]) -> bool:
@@ -523,10 +577,15 @@ class _Planner:
         spent = max((slot.end for slot in slots), default=0.0)
         bound = found.bound if self.people == 1 else max(found.bound / self.people, self.search.longest())
         notes = []
-        if not any(True for _ in self.actions.fixings):
+        if self.actions.fixings.is_empty:
             low, high = box_of_parts(self.actions.question.scene)
             size = length_text(float((high - low).max()))
             notes.append(f"No part looks like a fastener, so nothing is undone. Is the unit right? All is {size} long.")
+        left = {path for step in steps for path in step.paths}
+        stay = [self.mockup.part_paths[stud] for stud in self.actions.fixings.studs]
+        stay = [path for path in stay if path in self.wanted and path not in left]
+        if stay:
+            notes.append(f"Studs stay in their parts: {', '.join(map(repr, stay[:MOST_NAMED]))}.")
         if not self.actions.reaching.is_checked:
             notes.append("No tools were given: that a tool reaches each fastener was not checked.")
         if self.actions.times.times.examples:
@@ -558,7 +617,7 @@ class _Planner:
         now = 0.0
         for ordered in found.steps or ():
             parts = self._left(ordered, out)
-            out |= set(ordered.unit.leaving)
+            out |= self._leaving(ordered.unit, out)
             if not parts:
                 continue
             tooled = ordered.choice.key
@@ -690,7 +749,8 @@ class _Planner:
         if self.forced:
             notes += ("An order was forced: there may be a plan without it.",)
         nan = math.nan
-        bound = nan if is_complete else found.bound / self.people
+        # Without a straight plan there may be one of bent ways that was not searched.
+        bound = nan if is_complete else (found.bound if math.isfinite(found.bound) else 0.0) / self.people
         elements, examples = dict(self.actions.times.elements), self.actions.times.times.examples
         return Task(
             *(self.wanted, False, (), nan, nan, bound, tuple(rows), self.people, is_complete, elements, examples),
@@ -712,18 +772,23 @@ class _Planner:
     def _blocker(self, item: int, blockers: frozenset[int]) -> TaskBlocker:
         actions, question, paths = self.actions, self.question, self.mockup.part_paths
         parts = question.parts_of([item])
-        path = paths[parts[0] if item == TARGET else item] if parts or item != TARGET else ", ".join(self.wanted)
+        first = next(iter([*(part for part in question.wanted if item == TARGET), *parts]), None)
+        path = ", ".join(self.wanted) if first is None else paths[first if item == TARGET else item]
         if not actions.is_turned(item):
             empty = any(not joint for joint in actions.certain(item))
             said = "a fastener that holds it is kept" if empty else "no way out was found"
             node = actions.node(item, actions.riding(item))
             known = actions.graph.known_blockers(node) if not empty else {}
             worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(node))
-            return TaskBlocker(path, said, tuple(paths[part] for node in worst for part in question.parts_of([node])))
+            around = [part for each in worst for part in question.parts_of([each])]
+            ahead = actions.kept_holders(node) if empty else around
+            return TaskBlocker(path, said, tuple(paths[part] for part in ahead))
         if item in actions.met:
             return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
         answer = actions.answer(item, frozenset())
         if answer.tooled:
-            first = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
-            return TaskBlocker(path, "what has to go before it does not come out", tuple(paths[part] for part in first))
+            before = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
+            return TaskBlocker(
+                path, "what has to go before it does not come out", tuple(paths[part] for part in before)
+            )
         return TaskBlocker(path, f"no tool reaches it: {answer.because}", tuple(paths[p] for p in answer.blockers))

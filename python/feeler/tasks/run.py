@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, overload
 
@@ -211,9 +211,10 @@ class Maintenance(Sequence[MaintainRow]):
         """Seconds more than in the last run, whether that is slower, what is new, and which changes it is from."""
         if self.base is None or changes is None:
             return math.nan, False, "", ()
-        if key not in self.base.plans:
+        then = key if key in self.base.plans else self._entry_before(key, self.base)
+        if then is None:
             return math.nan, False, "new in the list", ()
-        now, (old, seen) = self.plans[key][0], self.base.plans[key]
+        now, (old, seen) = self.plans[key][0], self.base.plans[then]
         delta = now.seconds - old.seconds
         is_slower = delta > SAME_S or (old.is_out and not now.is_out)
         before = math.fsum(each.share for each in seen) / len(seen) if seen else math.nan
@@ -233,6 +234,15 @@ class Maintenance(Sequence[MaintainRow]):
         elif given := _given(self.base.options, self.options):
             text += f" since {_listed(given)}"
         return delta, is_slower, text, causes
+
+    def _entry_before(self, key: str, base: Maintenance) -> str | None:
+        """The row of the same entry of the list in a run before: of an assembly that lost or gained parts."""
+        now = _common(key, base.snapshot.parts)
+        for then in base.plans:
+            is_free = then not in self.plans and base.names.get(then) == self.names.get(key)
+            if is_free and now is not None and _common(then, self.snapshot.parts) == now:
+                return then
+        return None
 
 
 class MaintenanceInterrupted(KeyboardInterrupt):
@@ -294,6 +304,15 @@ def _given(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
     said += ["another version of feeler runs"] if "version" in names else []
     said += ["the search has other limits"] if "search" in names else []
     return said
+
+
+def _common(key: str, there: Container[str]) -> tuple[set[str], set[str], int] | None:
+    """Of a key of rows the wanted and kept parts that are in another run, too, and the people; None if it is no key."""
+    try:
+        (parts, keep, people), _ = json.JSONDecoder().raw_decode(key)
+        return {each for each in parts if each in there}, {each for each in keep if each in there}, int(people)
+    except (TypeError, ValueError):
+        return None
 
 
 def _listed(words: Sequence[str]) -> str:

@@ -32,6 +32,8 @@ STEP_M = 1e-6
 """Boxes around triangles are rounded outwards to this, metres."""
 _DECIMALS = 9
 _OTHERWISE: What = "is held otherwise"
+COARSE = 1e-5
+"""The step of sizes and places of fasteners whose mesh is as it was, metres, and of directions."""
 SAME_SHARE = 1e-6
 """How much area and length of edges may differ where a part only moved."""
 
@@ -281,11 +283,9 @@ def _seen(corners: Floats, bounds: Floats, before: Seen | None) -> Seen:
 def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Sequence[str]) -> Held:
     facts: list[Any] = []
     if row is not None:
-        # Fasteners of one shape are aligned to one of them: another one changes their last bits.
-        sizes = (row.size, row.length, row.width, row.head_height)
-        frame = np.round(row.frame, _DECIMALS) + 0.0
-        facts += [row.kind, row.drive, *(f"{each:.9g}" for each in sizes)]
-        facts.append(hashlib.blake2b(np.ascontiguousarray(frame).tobytes(), digest_size=8).hexdigest())
+        # Fasteners of one shape are aligned to one of them: another one changes their last digits.
+        sizes = np.array([row.size, row.length, row.width, row.head_height])
+        facts += [row.kind, row.drive, _coarse(sizes).tolist(), _coarse(row.frame[:3, 2:]).ravel().tolist()]
     if hold is None:
         return Held(repr(facts), frozenset(), ())
     captive = fixings.captive_on(hold.fastener) if hold.fastener in fixings else None
@@ -301,6 +301,11 @@ def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Seque
     facts += [anchor, None if captive is None else keys[captive], [keys[each] for each in hold.washers]]
     facts.append([keys[each] for each in fixings.washers(hold.fastener)])
     return Held(repr(facts), frozenset(keys[each] for each in joins), tuple(keys[each] for each in hold.mates))
+
+
+def _coarse(values: Floats) -> Floats:
+    """Whole steps, whose borders are off round numbers."""
+    return np.floor(values / COARSE + 0.37)
 
 
 def _mates(*held: Held | None) -> set[str]:
