@@ -20,14 +20,23 @@ use super::body::{distance_to, Body, Closest};
 use super::depth::PointDepth;
 use crate::constants::{LEAST_CROSSING_SINE, MOST_CROSSING_POINTS, MOST_CROSSING_STEPS};
 
-/// Shares of the depth by which it may be missed, and of the pieces of the crossing that are still split.
+/// Share of the depth by which it may be missed, and of the distance to the border in which pieces of the crossing are not split.
 const SLACK: f64 = 1e-3;
+
+/// Pieces of the crossing shorter than this share of their distance to the border are split where the depth is largest.
+const SHORT: f64 = 0.02;
+
+/// By how many times the way the depth rises at most along such a piece; only jumps rise more.
+const MOST_RISE: f64 = 4.0;
 
 /// Halvings with which a walk finds where it leaves the other surface's reach.
 const HALVINGS: usize = 16;
 
 /// Most points of a straight way at which the border of the other surface is looked for.
-const MOST_CLEAR_STEPS: usize = 64;
+const MOST_CLEAR_STEPS: usize = 256;
+
+/// The least way between two of them, in distances from it.
+const LEAST_CLEAR_STEP: f64 = 0.02;
 
 /// Most points of a straight way at which the distance of the other surface is measured.
 const MOST_WAY_POINTS: usize = 64;
@@ -45,7 +54,9 @@ pub fn crossing_depth([a, b]: [&Body; 2]) -> PointDepth {
 struct Shared {
     triangles: [u32; 2],
     ends: [Point; 2],
-    /// The depth of its points is no more than that, metres.
+    /// No point of it is farther from the nearer border, metres.
+    to_border: f64,
+    /// Nor deeper than this, as far as is known, metres.
     upper: f64,
 }
 
@@ -103,11 +114,16 @@ impl Search<'_> {
             if depth > best {
                 (best, point) = (depth, Some(middle));
             }
-            if next.half() > SLACK * next.upper {
-                for end in next.ends {
-                    let half = Shared { ends: [end, middle], ..next };
-                    waiting.push(Shared { upper: next.upper.min(self.most(&half)), ..half });
-                }
+            if next.half() <= SLACK * next.to_border {
+                continue;
+            }
+            // Where pieces are short, those beside deep points come first.
+            let is_short = next.half() <= SHORT * next.to_border;
+            let likely = if is_short { depth + MOST_RISE * next.half() } else { f64::INFINITY };
+            for end in next.ends {
+                let half = Shared { ends: [end, middle], ..next };
+                let to_border = next.to_border.min(self.most(&half));
+                waiting.push(Shared { to_border, upper: to_border.min(next.upper).min(likely), ..half });
             }
         }
         (best, point)
@@ -138,8 +154,9 @@ impl Search<'_> {
             many.find_overlapping(&around, |j| {
                 if let Some(ends) = shared_segment(&t, many.triangle(j), least) {
                     let ends = ends.map(|p| sub(&p, &self.shift));
-                    let shared = Shared { triangles: [i, j], ends, upper: 0.0 };
-                    found.push(Shared { upper: self.most(&shared), ..shared });
+                    let shared = Shared { triangles: [i, j], ends, to_border: 0.0, upper: 0.0 };
+                    let most = self.most(&shared);
+                    found.push(Shared { to_border: most, upper: most, ..shared });
                 }
                 None::<()>
             });
@@ -271,21 +288,30 @@ impl Walk<'_> {
     /// the distances to the border and to the surface differ by more than twice that, and each changes by no more than the way.
     fn aside(&self, p: &Point, direction: &Point, way: f64, near: u32, clear: &mut f64) -> Option<f64> {
         let (body, least) = (self.other, self.least());
-        let mut at = *clear;
+        let (mut before, mut at) = (0.0, *clear);
+        let over = |at: f64| {
+            let closest = self.closest(&along(p, at, direction), near)?;
+            (!body.border().has(body, &closest)).then_some(closest)
+        };
         for _ in 0..MOST_CLEAR_STEPS {
             if at >= way {
                 break;
             }
-            let q = along(p, at, direction);
-            let closest = self.closest(&q, near)?;
+            let Some(closest) = over(at) else {
+                let mut ends = [before, at];
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (ends[0] + ends[1]);
+                    ends[usize::from(over(middle).is_none())] = middle;
+                }
+                return Some(ends[0]);
+            };
             if closest.distance >= self.most {
                 break;
             }
-            if body.border().has(body, &closest) {
-                return Some(at);
-            }
-            let room = body.border().distance(&add(&q, &self.shift)) - closest.distance;
-            at += (0.5 * room).max(SLACK * closest.distance).max(least);
+            let q = add(&along(p, at, direction), &self.shift);
+            let room = body.border().distance(&q) - closest.distance;
+            before = at;
+            at += (0.5 * room).max(LEAST_CLEAR_STEP * closest.distance).max(least);
         }
         *clear = (at - way).max(0.0);
         None
@@ -539,6 +565,24 @@ mod tests {
             for cells in [1, 2, 5] {
                 let found = crossing_depth([&dome, &wide(cells)]);
                 assert!((0.5 * depth..1.01 * depth).contains(&found.depth), "{depth} {cells}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn depths_do_not_depend_on_how_surfaces_are_cut() {
+        let mut r = Random::new(3);
+        for n in 0..8 {
+            let sheet = |cells| match n % 2 {
+                0 => plate([-1.0, -1.0, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0], cells),
+                _ => tub(0.0, cells),
+            };
+            let m = r.motion(0.3);
+            let depth = |cells| crossing_depth([&body(sheet(cells)), &body(placed(tub(0.0, cells), &m))]).depth;
+            let expected = depth(1);
+            assert!(expected > 0.01, "{n}");
+            for cells in [2, 3, 6] {
+                assert!((depth(cells) - expected).abs() <= 2e-3 * expected, "{n} {cells}: {} {expected}", depth(cells));
             }
         }
     }
