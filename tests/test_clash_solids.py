@@ -32,7 +32,12 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
     "solids side by side": (joined(SOLID, FAR_A), joined(BESIDE, FAR_B), Verdict.CONTACT, 0),
     "one inside, one on a face": (SOLID, joined(INNER, BESIDE), Verdict.CONTAINED, 0.4),
     "one inside, one on a corner": (SOLID, joined(INNER, box((1, 1, 1), (2, 2, 2))), Verdict.CONTAINED, 0.4),
-    "one inside, one in it by a micrometre": (SOLID, joined(INNER, box((1 - 1e-6, 0, 0), (2, 1, 1))), Verdict.CLASH, 0.4),
+    "one inside, one in it by a micrometre": (
+        SOLID,
+        joined(INNER, box((1 - 1e-6, 0, 0), (2, 1, 1))),
+        Verdict.CLASH,
+        0.4,
+    ),
     "one inside, a sheet through a face": (SOLID, joined(INNER, THROUGH), Verdict.CLASH, 0.4),
 }
 
@@ -45,7 +50,7 @@ def test_what_leaves_through_a_crack_clashes(gap: float, rng: np.random.Generato
     lifted = np.concatenate([corners, corners + (0, 0, gap)]), np.where(is_lid[:, None], faces + len(corners), faces)
     for far in (0.0, 1.0):
         turn = random_turn(rng) if far else np.eye(3)
-        for out in (-0.1 * gap, 0.01 * gap, gap, 0.3):
+        for out in (-0.2, 0.01 * gap, gap, 0.3):
             block, low, high = box((0.4, 0.4, 0.4), (0.6, 0.6, 1 + gap / 3)), 1 + gap / 3, 1 + 2 * gap / 3
             blade = box((0.4, 0.4, low), (1 + out, 0.6, high))
             parts = {"box": lifted, "block": joined(block, blade)}
