@@ -32,7 +32,7 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
     "solids side by side": (joined(SOLID, FAR_A), joined(BESIDE, FAR_B), Verdict.CONTACT, 0),
     "one inside, one on a face": (SOLID, joined(INNER, BESIDE), Verdict.CONTAINED, 0.4),
     "one inside, one on a corner": (SOLID, joined(INNER, box((1, 1, 1), (2, 2, 2))), Verdict.CONTAINED, 0.4),
-    "one inside, one in it by a micrometre": (
+    "one inside, one in by a micrometre": (
         SOLID,
         joined(INNER, box((1 - 1e-6, 0, 0), (2, 1, 1))),
         Verdict.CLASH,
@@ -47,7 +47,10 @@ def test_what_leaves_through_a_crack_clashes(gap: float, rng: np.random.Generato
     # A box whose lid is lifted, and a block in it with a blade that leaves through the crack: nothing crosses.
     corners, faces = SOLID
     is_lid = (corners[faces][:, :, 2] == 1).all(axis=1)
-    lifted = np.concatenate([corners, corners + (0, 0, gap)]), np.where(is_lid[:, None], faces + len(corners), faces)
+    lifted = (
+        np.concatenate([corners, corners + np.array([0, 0, gap])]),
+        np.where(is_lid[:, None], faces + len(corners), faces),
+    )
     for far in (0.0, 1.0):
         turn = random_turn(rng) if far else np.eye(3)
         for out in (-0.2, 0.01 * gap, gap, 0.3):
