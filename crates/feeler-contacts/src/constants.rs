@@ -452,7 +452,7 @@ pub const WALL_MIDDLE: f64 = 0.98;
 pub const LEAST_CROSSING_SINE: f64 = 1e-6;
 
 /// Most points where two open surfaces cross that are measured. Smaller: crossings of fine surfaces may be told too shallow.
-pub const MOST_CROSSING_POINTS: usize = 512;
+pub const MOST_CROSSING_POINTS: usize = 2048;
 
 /// Most triangles that a walk over an open surface goes through.
 pub const MOST_CROSSING_STEPS: usize = 4096;

@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use feeler_core::clash::asked::in_order;
 use feeler_core::clash::duplicates::{duplicate_pairs, same_parts};
 use feeler_core::clash::holding::held_parts;
 use feeler_core::clash::location::LocationScratch;
@@ -198,7 +197,13 @@ impl<'a> ClashSearch<'a> {
         if meeting.is_complete {
             let known: Vec<[u32; 2]> = found.keys().copied().collect();
             let held = held_parts(index, solids, limits, &known);
-            found.extend(held.iter().map(|held| related(&in_order([held.part, held.by]), Relation::Held)));
+            let related: Vec<Related> = held.par_iter().filter_map(|held| judge.held(held)).collect();
+            for related in related {
+                let kept = found.entry(related.parts).or_insert(related);
+                if related.relation == Relation::Held {
+                    *kept = related;
+                }
+            }
         }
         self.is_complete &= meeting.is_complete;
         self.related = found;

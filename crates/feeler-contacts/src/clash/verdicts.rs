@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
+use feeler_core::clash::asked::in_order;
+use feeler_core::clash::holding::Held;
 use feeler_core::clash::solids::Solids;
 use feeler_core::clash::touch::Touching;
 use feeler_core::{Aabb, PairLimits};
 
+use super::held_solids::{is_holding_a_solid, is_in, may_share_solids};
 use super::obvious::is_through;
 use super::row::Verdict;
 use crate::constants::SEAM_EXCESS;
@@ -58,6 +61,18 @@ impl Judge<'_> {
         Related { parts, relation, verdict: self.verdict(parts, relation, crossing) }
     }
 
+    /// A part that another holds without meeting it. Where it may go through a gap, it has to be deeper than gaps make doubtful.
+    pub fn held(&self, held: &Held) -> Option<Related> {
+        let parts = in_order([held.part, held.by]);
+        if !held.is_through {
+            return Some(self.judge(parts, Relation::Held, None));
+        }
+        let [a, b] = self.bodies_of(parts);
+        let loose = a.looseness().max(b.looseness());
+        let least = self.limits.contact(parts[0], parts[1]).max(SEAM_EXCESS * SEAM_EXCESS * loose);
+        is_deeper([&a, &b], least).then(|| self.judge(parts, Relation::Crossing, None))
+    }
+
     fn verdict(&self, parts: [u32; 2], relation: Relation, crossing: Option<[u32; 2]>) -> Option<Verdict> {
         if relation == Relation::Duplicate || self.is_same(parts) {
             return Some(Verdict::Duplicate);
@@ -67,8 +82,22 @@ impl Judge<'_> {
         }
         match relation {
             Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Some(self.of_held(parts)),
-            Relation::Touching(Touching::Beside) if self.has_inside(parts) => Some(Verdict::Contact),
+            Relation::Touching(Touching::Beside) if self.has_inside(parts) => Some(self.of_touching(parts)),
             _ => self.of_crossing(parts),
+        }
+    }
+
+    /// Parts that are outside each other, but for solids that are in both.
+    fn of_touching(&self, parts: [u32; 2]) -> Verdict {
+        let rounding = self.limits.rounding(parts[0], parts[1]);
+        let is_sharing = may_share_solids(self.solids, parts, rounding) && {
+            let [a, b] = self.bodies_of(parts);
+            is_holding_a_solid(self.solids, parts, [&a, &b], rounding)
+        };
+        if is_sharing {
+            Verdict::Contained
+        } else {
+            Verdict::Contact
         }
     }
 
@@ -139,8 +168,12 @@ impl Judge<'_> {
             };
             is_in_other([&p, &q], [&a, &b], within_b) || is_in_other([&q, &p], [&b, &a], within_a)
         };
+        let is_solid_held = || is_holding_a_solid(self.solids, parts, [&a, &b], rounding);
         if is_deeper([&a, &b], contact) {
-            return Some(if is_held() { Verdict::Contained } else { Verdict::Clash });
+            return Some(if is_held() || is_solid_held() { Verdict::Contained } else { Verdict::Clash });
+        }
+        if may_share_solids(self.solids, parts, rounding) && is_solid_held() {
+            return Some(Verdict::Contained);
         }
         // A thin part that only rounding keeps from being contained.
         let is_in_box = is_in(&p, &q, within_b) || is_in(&q, &p, within_a);
@@ -155,9 +188,4 @@ impl Judge<'_> {
     fn boxes_of(&self, parts: [u32; 2]) -> [Aabb; 2] {
         parts.map(|part| self.solids.mockup().part_bounds()[part as usize])
     }
-}
-
-/// Whether a box is in another but for rounding.
-fn is_in(p: &Aabb, q: &Aabb, rounding: f64) -> bool {
-    (0..3).all(|a| p.lower[a] >= q.lower[a] - rounding && p.upper[a] <= q.upper[a] + rounding)
 }

@@ -20,11 +20,26 @@ use super::body::{distance_to, Body, Closest};
 use super::depth::PointDepth;
 use crate::constants::{LEAST_CROSSING_SINE, MOST_CROSSING_POINTS, MOST_CROSSING_STEPS};
 
-/// Shares of the depth by which it may be missed, and of the pieces of the crossing that are still split.
+/// Share of the depth by which it may be missed, and of the distance to the border in which pieces of the crossing are not split.
 const SLACK: f64 = 1e-3;
+
+/// Pieces of the crossing shorter than this share of their distance to the border are split where the depth is largest.
+const SHORT: f64 = 0.02;
+
+/// By how many times the way the depth rises at most along such a piece; only jumps rise more.
+const MOST_RISE: f64 = 4.0;
 
 /// Halvings with which a walk finds where it leaves the other surface's reach.
 const HALVINGS: usize = 16;
+
+/// Most points of a straight way at which the border of the other surface is looked for.
+const MOST_CLEAR_STEPS: usize = 256;
+
+/// The least way between two of them, in distances from it.
+const LEAST_CLEAR_STEP: f64 = 0.02;
+
+/// Most points of a straight way at which the distance of the other surface is measured.
+const MOST_WAY_POINTS: usize = 64;
 
 /// How deep two bodies without closed surfaces cross; its error is not known (NaN).
 pub fn crossing_depth([a, b]: [&Body; 2]) -> PointDepth {
@@ -39,7 +54,9 @@ pub fn crossing_depth([a, b]: [&Body; 2]) -> PointDepth {
 struct Shared {
     triangles: [u32; 2],
     ends: [Point; 2],
-    /// The depth of its points is no more than that, metres.
+    /// No point of it is farther from the nearer border, metres.
+    to_border: f64,
+    /// Nor deeper than this, as far as is known, metres.
     upper: f64,
 }
 
@@ -97,11 +114,16 @@ impl Search<'_> {
             if depth > best {
                 (best, point) = (depth, Some(middle));
             }
-            if next.half() > SLACK * next.upper {
-                for end in next.ends {
-                    let half = Shared { ends: [end, middle], ..next };
-                    waiting.push(Shared { upper: next.upper.min(self.most(&half)), ..half });
-                }
+            if next.half() <= SLACK * next.to_border {
+                continue;
+            }
+            // Where pieces are short, those beside deep points come first.
+            let is_short = next.half() <= SHORT * next.to_border;
+            let likely = if is_short { depth + MOST_RISE * next.half() } else { f64::INFINITY };
+            for end in next.ends {
+                let half = Shared { ends: [end, middle], ..next };
+                let to_border = next.to_border.min(self.most(&half));
+                waiting.push(Shared { to_border, upper: to_border.min(next.upper).min(likely), ..half });
             }
         }
         (best, point)
@@ -132,8 +154,9 @@ impl Search<'_> {
             many.find_overlapping(&around, |j| {
                 if let Some(ends) = shared_segment(&t, many.triangle(j), least) {
                     let ends = ends.map(|p| sub(&p, &self.shift));
-                    let shared = Shared { triangles: [i, j], ends, upper: 0.0 };
-                    found.push(Shared { upper: self.most(&shared), ..shared });
+                    let shared = Shared { triangles: [i, j], ends, to_border: 0.0, upper: 0.0 };
+                    let most = self.most(&shared);
+                    found.push(Shared { to_border: most, upper: most, ..shared });
                 }
                 None::<()>
             });
@@ -182,9 +205,12 @@ impl Walk<'_> {
     /// How far from the other surface the walk comes, and on which side of it, as a normal of the other says where the walk begins. It
     /// ends at the border, where it meets the other again, and where no point in the middle of the other is closest any more.
     fn far(&self, from: &Point, triangle: u32, direction: &Point, normal: &Point) -> (f64, i32) {
-        let least = self.surface.rounding().max(self.other.rounding());
+        let least = self.least();
         let (mut p, mut i, mut d) = (*from, triangle, *direction);
-        let (mut far, mut side, mut last) = (0.0f64, None, u32::MAX);
+        let (mut far, mut side) = (0.0f64, None);
+        let Some(mut begin) = self.closest(&p, u32::MAX) else { return (0.0, 0) };
+        // Near the crossing the other's border is not closest.
+        let mut clear = 0.5 * self.most;
         for _ in 0..MOST_CROSSING_STEPS {
             let Some((step, k)) = exit(self.surface.triangle(i), &p, &d) else { break };
             let end = along(&p, step, &d);
@@ -193,21 +219,29 @@ impl Walk<'_> {
                 if side.is_none() && lean.abs() > LEAST_CROSSING_SINE {
                     side = Some(lean.signum() as i32);
                 }
-                let Some(closest) = self.over(&end, last) else {
-                    far = far.max(self.until_aside(&p, &end, last));
+                let Some(closest) = self.closest(&end, begin.triangle) else { break };
+                // Nothing is met on the way if that is shorter than both ends are far.
+                let is_near = begin.distance + closest.distance <= step + 4.0 * least;
+                let met = if is_near { self.meets_again([&p, &end], &d, far) } else { None };
+                let aside = self.aside(&p, &d, met.unwrap_or(step), begin.triangle, &mut clear);
+                if let Some(until) = aside.or(met) {
+                    let last = along(&p, until, &d);
+                    if let Some(closest) = self.closest(&last, begin.triangle) {
+                        far = self.farthest([(p, begin), (last, closest)], far);
+                    }
                     break;
-                };
-                last = closest.triangle;
+                }
                 if closest.distance <= least && far > 2.0 * least {
                     break;
                 }
                 if side.is_none() && closest.distance > 2.0 * least {
                     side = Some(self.side_beyond(&p, &end, &d, normal));
                 }
-                far = far.max(closest.distance);
+                far = self.farthest([(p, begin), (end, closest)], far);
                 if far >= self.most {
                     break;
                 }
+                begin = closest;
             }
             let next = self.surface.neighbours(i)[k];
             if next == NONE {
@@ -217,6 +251,97 @@ impl Walk<'_> {
             (p, i, d) = (end, next, turned);
         }
         (far, side.unwrap_or(0))
+    }
+
+    fn least(&self) -> f64 {
+        self.surface.rounding().max(self.other.rounding())
+    }
+
+    /// After how long a straight way goes through the other surface again; `far`: how far from it the walk came before. Where the other
+    /// turns away at an edge from a walk that lies on it, they do not part.
+    fn meets_again(&self, [p, end]: [&Point; 2], direction: &Point, far: f64) -> Option<f64> {
+        let least = self.least();
+        let [from, to] = [p, end].map(|p| add(p, &self.shift));
+        let mut met = Vec::new();
+        self.other.tree().find_on_segment([&from, &to], least, |i| {
+            let t = self.other.triangle(i);
+            let heights = [&from, &to].map(|q| Some(dot(&precise_normal(t)?, &sub(q, &t[0]))));
+            if let [Some(low), Some(high)] = heights {
+                let at = low / (low - high);
+                let is_through = low.abs() > 2.0 * least && low * high < 0.0;
+                if is_through && distance_to(&along(&from, at, &sub(&to, &from)), t) <= 2.0 * least {
+                    met.push(at * length(&sub(&to, &from)));
+                }
+            }
+            None::<()>
+        });
+        met.sort_unstable_by(f64::total_cmp);
+        let mut before = 0.0;
+        met.into_iter().find(|at| {
+            let middle = along(p, 0.5 * (before + at), direction);
+            before = *at;
+            far > 2.0 * least || self.distance(&middle) > 2.0 * least
+        })
+    }
+
+    /// After how long a straight way of some length the border of the other is closest. For the length `clear` it is known not to be:
+    /// the distances to the border and to the surface differ by more than twice that, and each changes by no more than the way.
+    fn aside(&self, p: &Point, direction: &Point, way: f64, near: u32, clear: &mut f64) -> Option<f64> {
+        let (body, least) = (self.other, self.least());
+        let (mut before, mut at) = (0.0, *clear);
+        let over = |at: f64| {
+            let closest = self.closest(&along(p, at, direction), near)?;
+            (!body.border().has(body, &closest)).then_some(closest)
+        };
+        for _ in 0..MOST_CLEAR_STEPS {
+            if at >= way {
+                break;
+            }
+            let Some(closest) = over(at) else {
+                let mut ends = [before, at];
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (ends[0] + ends[1]);
+                    ends[usize::from(over(middle).is_none())] = middle;
+                }
+                return Some(ends[0]);
+            };
+            if closest.distance >= self.most {
+                break;
+            }
+            let q = add(&along(p, at, direction), &self.shift);
+            let room = body.border().distance(&q) - closest.distance;
+            before = at;
+            at += (0.5 * room).max(LEAST_CLEAR_STEP * closest.distance).max(least);
+        }
+        *clear = (at - way).max(0.0);
+        None
+    }
+
+    /// How far from the other a straight way comes, if that is farther than `far`; its ends are given with their closest points.
+    fn farthest(&self, ends: [(Point, Closest); 2], far: f64) -> f64 {
+        let mut best = ends.iter().fold(far, |far, end| far.max(end.1.distance));
+        let mut waiting = vec![ends];
+        for _ in 0..MOST_WAY_POINTS {
+            let Some([a, b]) = waiting.pop() else { break };
+            let enough = (best * (1.0 + SLACK)).max(best + self.least());
+            // The distance to one triangle is largest at an end.
+            let to_triangle = |from: &Closest, p: &Point| {
+                from.distance.max(distance_to(&add(p, &self.shift), self.other.triangle(from.triangle)))
+            };
+            let by_length = 0.5 * (a.1.distance + b.1.distance + length(&sub(&b.0, &a.0)));
+            if best >= self.most
+                || by_length <= enough
+                || to_triangle(&a.1, &b.0) <= enough
+                || to_triangle(&b.1, &a.0) <= enough
+            {
+                continue;
+            }
+            let middle = scaled(&add(&a.0, &b.0), 0.5);
+            let Some(closest) = self.closest(&middle, a.1.triangle) else { continue };
+            best = best.max(closest.distance);
+            waiting.extend([[a, (middle, closest)], [(middle, closest), b]]);
+        }
+        best
     }
 
     /// On which side a walk in the plane of the other surface leaves it, over an edge at which that turns away.
@@ -256,24 +381,10 @@ impl Walk<'_> {
         self.other.closest(&add(p, &self.shift), f64::INFINITY).map_or(f64::INFINITY, |closest| closest.distance)
     }
 
-    /// The closest point of the other surface, if it is not on the border.
-    fn over(&self, p: &Point, near: u32) -> Option<Closest> {
+    /// The closest point of the other surface.
+    fn closest(&self, p: &Point, near: u32) -> Option<Closest> {
         let first = if near == u32::MAX { &[][..] } else { &[near][..] };
-        let closest = self.other.closest_from(&add(p, &self.shift), first)?;
-        (!self.other.border().has(self.other, &closest)).then_some(closest)
-    }
-
-    /// How far the walk from `p` towards `end` comes until the border of the other is closest.
-    fn until_aside(&self, p: &Point, end: &Point, near: u32) -> f64 {
-        let (mut low, mut high, mut far) = (0.0, 1.0, 0.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            match self.over(&along(p, middle, &sub(end, p)), near) {
-                Some(closest) => (low, far) = (middle, closest.distance),
-                None => high = middle,
-            }
-        }
-        far
+        self.other.closest_from(&add(p, &self.shift), first)
     }
 
     /// A direction in a triangle, turned into the plane of its neighbour over an edge.
@@ -347,7 +458,7 @@ mod tests {
     use super::super::brute::{body, placed};
     use super::*;
     use feeler_shapes::random::Random;
-    use feeler_shapes::{joined, sheet, Arrays};
+    use feeler_shapes::{ball, joined, sheet, Arrays};
 
     /// A parallelogram at a corner, cut into cells.
     fn plate(at: Point, u: Point, v: Point, cells: usize) -> Arrays {
@@ -405,6 +516,74 @@ mod tests {
             let bent =
                 |cells| joined([floor(cells), plate([1.0, -1.0, 0.0], [0.0, 0.0, turn], [0.0, 2.0, 0.0], cells)]);
             assert_depth(bent, |cells| joined([web(cells), flange(4.0)(cells)]), expected, "an angle over an edge");
+        }
+    }
+
+    /// A tub without a lid: its floor `depth` below, and its walls up to a height of 1.
+    fn tub(depth: f64, cells: usize) -> Arrays {
+        let wall = |x: f64, y: f64, u: Point| plate([x, y, -depth], u, [0.0, 0.0, 1.0], cells);
+        let (along_x, along_y) = ([0.8, 0.0, 0.0], [0.0, 0.8, 0.0]);
+        joined([
+            plate([-0.4, -0.4, -depth], along_x, along_y, cells),
+            wall(-0.4, -0.4, along_x),
+            wall(-0.4, 0.4, along_x),
+            wall(-0.4, -0.4, along_y),
+            wall(0.4, -0.4, along_y),
+        ])
+    }
+
+    #[test]
+    fn what_comes_back_is_as_deep_as_it_is_on_its_shorter_side() {
+        let wide = |cells| plate([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], cells);
+        for depth in [1e-6, 0.01, 0.1, 0.3] {
+            assert_depth(wide, |cells| tub(depth, cells), depth, "a tub");
+            let channel = |cells| {
+                let wall = |x: f64| plate([x, -0.5, -depth], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0], cells);
+                let bottom = plate([-0.4, -0.5, -depth], [0.8, 0.0, 0.0], [0.0, 1.0, 0.0], cells);
+                joined([bottom, wall(-0.4), wall(0.4)])
+            };
+            assert_depth(wide, channel, depth, "a channel");
+            // The sheet inside the fold is at its deepest 1 / sqrt(2) as far from it.
+            let fold = |cells| {
+                let leaf = |x: f64| plate([0.0, -0.5, -depth], [0.0, 1.0, 0.0], [x, 0.0, 1.0], cells);
+                joined([leaf(1.0), leaf(-1.0)])
+            };
+            assert_depth(wide, fold, depth * 0.5f64.sqrt(), "a fold");
+        }
+    }
+
+    #[test]
+    fn the_cap_of_a_dome_is_as_deep_as_it_is_high() {
+        let wide = |cells| body(plate([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], cells));
+        for (depth, n) in [(0.005, 24), (0.05, 16)] {
+            let (vertices, faces) = ball(0.5, n);
+            let is_low = |f: &[u32; 3]| f.iter().map(|v| vertices[*v as usize][2]).sum::<f64>() < 0.3;
+            let faces = faces.into_iter().filter(is_low).collect();
+            let low = vertices.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+            let sunk = vertices.iter().map(|p| [p[0], p[1], p[2] - low - depth]).collect();
+            let dome = body((sunk, faces));
+            for cells in [1, 2, 5] {
+                let found = crossing_depth([&dome, &wide(cells)]);
+                assert!((0.5 * depth..1.01 * depth).contains(&found.depth), "{depth} {cells}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn depths_do_not_depend_on_how_surfaces_are_cut() {
+        let mut r = Random::new(3);
+        for n in 0..8 {
+            let sheet = |cells| match n % 2 {
+                0 => plate([-1.0, -1.0, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0], cells),
+                _ => tub(0.0, cells),
+            };
+            let m = r.motion(0.3);
+            let depth = |cells| crossing_depth([&body(sheet(cells)), &body(placed(tub(0.0, cells), &m))]).depth;
+            let expected = depth(1);
+            assert!(expected > 0.01, "{n}");
+            for cells in [2, 3, 6] {
+                assert!((depth(cells) - expected).abs() <= 2e-3 * expected, "{n} {cells}: {} {expected}", depth(cells));
+            }
         }
     }
 }

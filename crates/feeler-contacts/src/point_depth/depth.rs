@@ -56,6 +56,11 @@ pub fn is_deeper([a, b]: [&Body; 2], than: f64) -> bool {
     is_more([inside(a, b), inside(b, a)], than)
 }
 
+/// Whether a point of the first surface is farther than a limit inside the second body, metres.
+pub fn is_deeper_from([a, b]: [&Body; 2], than: f64) -> bool {
+    is_more([inside(a, b)], than)
+}
+
 /// Whether each surface is nowhere farther than this from the other, metres.
 pub fn is_same_surface([a, b]: [&Body; 2], within: f64) -> bool {
     let all = |surface, other| Direction { surface, other, counted: Counted::All };

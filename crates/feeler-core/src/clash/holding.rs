@@ -1,5 +1,6 @@
 //! Parts that contain others without touching them: a connected surface that does not collide with a closed part lies
-//! inside it or outside, and one of its corners decides, or several if the closed part has gaps.
+//! inside it or outside, and one of its corners decides, or several if the closed part has gaps. Through a gap it may
+//! also be both.
 
 use rayon::prelude::*;
 
@@ -18,7 +19,12 @@ pub struct Held {
     pub part: u32,
     /// The one that holds it.
     pub by: u32,
+    /// Whether some of it may be outside, through a gap: points on the surface of `by` do not decide, then.
+    pub is_through: bool,
 }
+
+/// Corners of a part that are looked at, if it may go through a gap of another.
+const CORNERS_IN_GAPS: usize = 32;
 
 /// Every pair of parts to check that does not collide (colliding ones are in `meeting`, sorted, the lesser part first)
 /// and of which one contains a connected surface of the other; in order. In parallel on the current rayon pool.
@@ -51,8 +57,16 @@ pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeti
                         continue;
                     }
                     let inside = parts_around((index, solids), &surface, &around, scratch);
-                    held.extend(inside.into_iter().map(|by| Held { part, by }));
+                    held.extend(inside.into_iter().map(|by| Held { part, by, is_through: false }));
                 }
+                around.retain(|by| {
+                    !held.iter().any(|held| held.by == *by) && !solids.is_cycle(*by) && {
+                        let solid = solids.of(*by);
+                        solid.is_closed() && solid.is_loose()
+                    }
+                });
+                let through = parts_with_gaps_around((index, solids), part, &around, scratch);
+                held.extend(through.into_iter().map(|by| Held { part, by, is_through: true }));
             });
             held
         })
@@ -92,6 +106,29 @@ fn parts_around(
             }
         }
         found.extend(loose.iter().zip(votes).filter(|(_, vote)| *vote > 0).map(|(part, _)| *part));
+    }
+    found
+}
+
+/// Those of some parts with gaps (ascending) that have some corners of a part inside.
+fn parts_with_gaps_around(
+    (index, solids): (&Index, &Solids<'_>),
+    part: u32,
+    parts: &[u32],
+    scratch: &mut LocationScratch,
+) -> Vec<u32> {
+    let (faces, mesh) = (solids.faces(part), index.mockup().mesh());
+    let mut left = parts.to_vec();
+    let mut found = Vec::new();
+    for face in faces.iter().step_by(faces.len().div_ceil(CORNERS_IN_GAPS).max(1)) {
+        if left.is_empty() {
+            break;
+        }
+        let locations = locate((index, solids), &mesh.triangle(*face)[0], &left, scratch);
+        let inside = left.iter().zip(&locations).filter(|(_, at)| **at == Location::Inside).map(|(by, _)| *by);
+        let inside: Vec<u32> = inside.collect();
+        left.retain(|by| !inside.contains(by));
+        found.extend(inside);
     }
     found
 }

@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::mockup::Mockup;
 use crate::mesh::topology::adjacency::Adjacency;
+use crate::mesh::topology::closed_shells::ClosedShell;
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::moving_tool::Tool;
@@ -110,9 +111,14 @@ impl<'a> Solid<'a> {
         }
     }
 
+    /// Its closed surfaces; the first triangle of each by its own number.
+    pub fn shells(&self) -> &'a [ClosedShell] {
+        self.adjacency.shells_of(self.number())
+    }
+
     /// Whether it has an inside.
     pub fn is_closed(&self) -> bool {
-        !self.adjacency.shells_of(self.number()).is_empty()
+        !self.shells().is_empty()
     }
 
     /// Whether its closed surfaces may have gaps, in seams and cracks.
@@ -124,7 +130,7 @@ impl<'a> Solid<'a> {
     pub fn corners_of_surfaces(&self) -> impl Iterator<Item = Point> + 'a {
         let (solid, adjacency) = (*self, self.adjacency);
         let open = adjacency.open_surfaces_of(self.number()).iter().map(|[_, own]| *own);
-        let closed = adjacency.shells_of(self.number()).iter().map(|shell| shell.first);
+        let closed = self.shells().iter().map(|shell| shell.first);
         open.chain(closed).map(move |own| solid.triangle(own)[0])
     }
 }

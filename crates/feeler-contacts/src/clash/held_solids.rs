@@ -1,0 +1,160 @@
+//! Whether a part holds a solid of another while none of their other solids cross: parts of several solids, of which one
+//! lies inside the other part, or is in both.
+
+use feeler_core::clash::solids::{Solid, Solids};
+use feeler_core::constants::NONE;
+use feeler_core::geometry::vectors::{add, along, cross, dot, length, scaled, sub};
+use feeler_core::{Aabb, Point};
+
+use crate::point_depth::body::{distance_to, Body};
+use crate::point_depth::depth::{is_deeper_from, is_holding};
+
+/// Some triangles of a part, and the box around them.
+struct Piece {
+    triangles: Vec<u32>,
+    bounds: Aabb,
+    /// Whether it is a closed surface around material, and no hollow or open surface.
+    is_solid: bool,
+}
+
+/// Whether each of two parts has several solids and one of them is in the same place as one of the other.
+pub fn may_share_solids(solids: &Solids<'_>, parts: [u32; 2], rounding: f64) -> bool {
+    let [p, q] = parts.map(|part| solids.of(part));
+    let mut own: Vec<&Aabb> = p.shells().iter().map(|shell| &shell.bounds).collect();
+    let others = q.shells();
+    if own.len() < 2 || others.len() < 2 {
+        return false;
+    }
+    own.sort_unstable_by(|a, b| a.lower[0].total_cmp(&b.lower[0]));
+    others.iter().any(|shell| {
+        let low = shell.bounds.lower[0];
+        let from = own.partition_point(|other| other.lower[0] < low - rounding);
+        let near = own[from..].iter().take_while(|other| other.lower[0] <= low + rounding);
+        near.into_iter().any(|other| is_in(other, &shell.bounds, rounding) && is_in(&shell.bounds, other, rounding))
+    })
+}
+
+/// Whether one of two parts holds a solid of the other, and every other piece of either is held, or nowhere inside the other part: within
+/// `rounding`, metres. `bodies`: those of the parts.
+pub fn is_holding_a_solid(solids: &Solids<'_>, parts: [u32; 2], bodies: [&Body; 2], rounding: f64) -> bool {
+    let of = |i: usize| solids.of(parts[i]);
+    let count = |i: usize| of(i).shells().len();
+    if count(0).max(count(1)) < 2 {
+        return false;
+    }
+    let box_of = |i: usize| &solids.mockup().part_bounds()[parts[i] as usize];
+    let may_hold = |i: usize| of(i).shells().iter().any(|shell| is_in(&shell.bounds, box_of(1 - i), rounding));
+    if !may_hold(0) && !may_hold(1) {
+        return false;
+    }
+    let mut is_held = false;
+    for i in 0..2 {
+        let (solid, other) = (of(i), bodies[1 - i]);
+        for piece in pieces(&solid) {
+            if !piece.bounds.is_overlapping(box_of(1 - i)) {
+                continue;
+            }
+            let body = body_of(&solid, &piece.triangles);
+            if is_in(&piece.bounds, box_of(1 - i), rounding) && is_holding([&body, other], rounding) {
+                is_held |= piece.is_solid && point_within(&body).is_some_and(|p| is_inside(other, &p));
+            } else if is_deeper_from([&body, other], rounding) {
+                return false;
+            }
+        }
+    }
+    is_held
+}
+
+/// A part by its solids, each with its hollows, and what else it has.
+fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
+    let mut left: Vec<bool> = vec![false; solid.adjacency().neighbours.len()];
+    solid.triangles().for_each(|own| left[own as usize] = true);
+    let (mut found, mut hollows) = (Vec::new(), Vec::new());
+    for shell in solid.shells() {
+        let triangles = connected(solid, shell.first, &mut left);
+        let is_solid = six_volumes(solid, &triangles) > 0.0;
+        let piece = Piece { triangles, bounds: shell.bounds, is_solid };
+        (if is_solid { &mut found } else { &mut hollows }).push(piece);
+    }
+    for hollow in hollows {
+        let corner = hollow.triangles.first().map(|own| solid.triangle(*own)[0]);
+        let around = |piece: &&mut Piece| {
+            is_in(&hollow.bounds, &piece.bounds, 0.0)
+                && corner.is_some_and(|p| is_inside(&body_of(solid, &piece.triangles), &p))
+        };
+        // The innermost one.
+        let size = |piece: &&mut Piece| piece.bounds.longest();
+        let holder = found.iter_mut().filter(|piece| piece.is_solid).filter(around);
+        match holder.min_by(|a, b| size(a).total_cmp(&size(b))) {
+            Some(holder) => holder.triangles.extend(hollow.triangles),
+            None => found.push(hollow),
+        }
+    }
+    let rest: Vec<u32> = solid.triangles().filter(|own| left[*own as usize]).collect();
+    if !rest.is_empty() {
+        let bounds = rest.iter().fold(Aabb::EMPTY, |all, own| all.union(&Aabb::of_triangle(&solid.triangle(*own))));
+        found.push(Piece { triangles: rest, bounds, is_solid: false });
+    }
+    found
+}
+
+/// The triangles that hang together with one over edges, among those that are left, which they then are not any more.
+fn connected(solid: &Solid<'_>, first: u32, left: &mut [bool]) -> Vec<u32> {
+    let (mut found, mut next) = (Vec::new(), vec![first]);
+    while let Some(own) = next.pop() {
+        if std::mem::take(&mut left[own as usize]) {
+            found.push(own);
+            next.extend(solid.adjacency().neighbours[own as usize].iter().filter(|beside| **beside != NONE));
+        }
+    }
+    found
+}
+
+/// Six times the volume that a closed surface takes up; negative of a hollow.
+fn six_volumes(solid: &Solid<'_>, triangles: &[u32]) -> f64 {
+    let Some(origin) = triangles.first().map(|own| solid.triangle(*own)[0]) else { return 0.0 };
+    let of = |own: &u32| {
+        let [a, b, c] = solid.triangle(*own).map(|p| sub(&p, &origin));
+        f64::from(solid.adjacency().outward[*own as usize]) * dot(&a, &cross(&b, &c))
+    };
+    triangles.iter().map(of).sum()
+}
+
+fn body_of(solid: &Solid<'_>, triangles: &[u32]) -> Body {
+    Body::new(triangles.iter().map(|own| (*own, solid.triangle(*own))), solid.adjacency())
+}
+
+/// A point in the material of a solid, in the world: halfway through it from its largest triangle.
+fn point_within(body: &Body) -> Option<Point> {
+    let area = |i: &u32| {
+        let [a, b, c] = body.triangle(*i);
+        length(&cross(&sub(b, a), &sub(c, a)))
+    };
+    let largest = (0..body.len() as u32).max_by(|i, j| area(i).total_cmp(&area(j)))?;
+    let inward = scaled(&body.outward(largest)?, -1.0);
+    let [a, b, c] = body.triangle(largest);
+    let middle: Point = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
+    let end = along(&middle, 2.0 * body.bounds().longest(), &inward);
+    let mut until = f64::INFINITY;
+    body.tree().find_on_segment([&middle, &end], body.rounding(), |i| {
+        let [x, y, z, offset] = *body.plane(i);
+        let (height, rate) = (dot(&[x, y, z], &middle) - offset, dot(&[x, y, z], &inward));
+        let way = -height / rate;
+        let is_beyond = i != largest && way > 4.0 * body.rounding() && way < until;
+        if is_beyond && distance_to(&along(&middle, way, &inward), body.triangle(i)) <= 4.0 * body.rounding() {
+            until = way;
+        }
+        None::<()>
+    });
+    let p = add(&along(&middle, 0.5 * until, &inward), body.origin());
+    (until < f64::INFINITY && is_inside(body, &p)).then_some(p)
+}
+
+fn is_inside(body: &Body, p: &Point) -> bool {
+    body.is_inside(&sub(p, body.origin())) == Some(true)
+}
+
+/// Whether a box is in another but for rounding.
+pub fn is_in(p: &Aabb, q: &Aabb, rounding: f64) -> bool {
+    (0..3).all(|a| p.lower[a] >= q.lower[a] - rounding && p.upper[a] <= q.upper[a] + rounding)
+}

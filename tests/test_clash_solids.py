@@ -1,0 +1,78 @@
+"""Verdicts of parts of several solids, of which one is in both parts, inside the other part, or beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from clash.judge.shapes import cut_finer, random_turn
+from shapes import Mesh, box, inverted, joined, mockup_of
+
+import feeler
+from feeler import Verdict
+
+SOLID = box((0, 0, 0), (1, 1, 1))
+INNER = box((0.4, 0.4, 0.4), (0.6, 0.6, 0.6))
+BESIDE = box((1, 0, 0), (2, 1, 1))
+FAR_A, FAR_B = box((5, 0, 0), (6, 1, 1)), box((8, 0, 0), (9, 1, 1))
+HOLLOW = joined(box((-1, -1, -1), (2, 2, 2)), inverted(SOLID))
+THROUGH = (
+    np.array([[0.2, 0.2, 0.5], [0.8, 0.2, 0.5], [0.8, 0.8, 1.5], [0.2, 0.8, 1.5]]),
+    np.array([[0, 1, 2], [0, 2, 3]]),
+)
+PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
+    "one solid in both": (joined(SOLID, FAR_A), joined(SOLID, FAR_B), Verdict.CONTAINED, 0),
+    "a hollow solid in both": (joined(HOLLOW, FAR_A), joined(FAR_B, HOLLOW), Verdict.CONTAINED, 0),
+    "one in both, others cross": (
+        joined(SOLID, FAR_A),
+        joined(SOLID, box((5.5, 0.25, 0.25), (7, 0.5, 0.5))),
+        Verdict.CLASH,
+        0.5,
+    ),
+    "a plug in a hollow": (joined(HOLLOW, FAR_A), joined(SOLID, FAR_B), Verdict.CONTACT, 0),
+    "solids side by side": (joined(SOLID, FAR_A), joined(BESIDE, FAR_B), Verdict.CONTACT, 0),
+    "one inside, one on a face": (SOLID, joined(INNER, BESIDE), Verdict.CONTAINED, 0.4),
+    "one inside, one on a corner": (SOLID, joined(INNER, box((1, 1, 1), (2, 2, 2))), Verdict.CONTAINED, 0.4),
+    "one inside, one in by a micrometre": (
+        SOLID,
+        joined(INNER, box((1 - 1e-6, 0, 0), (2, 1, 1))),
+        Verdict.CLASH,
+        0.4,
+    ),
+    "one inside, a sheet through a face": (SOLID, joined(INNER, THROUGH), Verdict.CLASH, 0.4),
+}
+
+
+@pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3])
+def test_what_leaves_through_a_crack_clashes(gap: float, rng: np.random.Generator) -> None:
+    # A box whose lid is lifted, and a block in it with a blade that leaves through the crack: nothing crosses.
+    corners, faces = SOLID
+    is_lid = (corners[faces][:, :, 2] == 1).all(axis=1)
+    lifted = (
+        np.concatenate([corners, corners + np.array([0, 0, gap])]),
+        np.where(is_lid[:, None], faces + len(corners), faces),
+    )
+    for far in (0.0, 1.0):
+        turn = random_turn(rng) if far else np.eye(3)
+        for out in (-0.2, 0.01 * gap, gap, 0.3):
+            block, low, high = box((0.4, 0.4, 0.4), (0.6, 0.6, 1 + gap / 3)), 1 + gap / 3, 1 + 2 * gap / 3
+            blade = box((0.4, 0.4, low), (1 + out, 0.6, high))
+            parts = {"box": lifted, "block": joined(block, blade)}
+            placed = {name: (mesh[0] @ turn.T + far, mesh[1]) for name, mesh in parts.items()}
+            (row,) = feeler.clash(mockup_of(placed))
+            assert row.verdict == (Verdict.CLASH if out > 0 else Verdict.CONTAINED)
+            assert row.depth == pytest.approx(0.4, rel=2e-3)
+            assert len(feeler.clash(mockup_of(placed | {"block": box((1.01, 0, 0), (2, 1, 1))}))) == 0
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_a_solid_of_a_part_is_contained_if_no_other_crosses(name: str, rng: np.random.Generator) -> None:
+    *pair, verdict, depth = PAIRS[name]
+    for far in (0.0, 1.0, 3000.0):
+        turn = random_turn(rng) if far else np.eye(3)
+        for cut in ((0, 0), (1, 0), (1, 2)):
+            a, b = (cut_finer(mesh, levels) for mesh, levels in zip(pair, cut, strict=True))
+            parts = {"a": (a[0] @ turn.T + far, a[1]), "b": (b[0] @ turn.T + far, b[1])}
+            for names in (("a", "b"), ("b", "a")):
+                (row,) = feeler.clash(mockup_of({name: parts[name] for name in names}))
+                assert row.verdict == verdict
+                assert row.depth == pytest.approx(depth, rel=1e-3, abs=1e-8)
