@@ -104,6 +104,11 @@ def test_units_and_nodes_scale_it(tmp_path):
     assert feeler.load_mockup(path).source.rounding == pytest.approx(plain / 1000)
 
 
+def as_text(points: Floats, form: str) -> Floats:
+    """The numbers as a file in this form has them."""
+    return np.array([[float(form % x) for x in row] for row in points[:5_000]])
+
+
 def test_numbers_tell_their_digits():
     rng = np.random.default_rng(0)
     points = rng.uniform(-9, 9, (300_000, 3))
@@ -112,6 +117,9 @@ def test_numbers_tell_their_digits():
     assert of_numbers(points.astype(np.float32).astype(float)) == 2.0**-21
     for decimals in (5, 6, 8):
         assert of_numbers(np.round(points, decimals)) == pytest.approx(0.5 * 10.0**-decimals)
+        assert of_numbers(as_text(points, f"%.{decimals}e")) == pytest.approx(0.5 * 10.0**-decimals)
+        assert of_numbers(100.0 * as_text(points, f"%.{decimals}e")) == pytest.approx(50.0 * 10.0**-decimals)
+        assert of_numbers(as_text(points, f"%.{decimals + 1}g")) == pytest.approx(0.5 * 10.0**-decimals)
     assert of_numbers(np.round(points, 3)) == 0.0  # of so few digits they are exact
     last = points.astype(np.float32).astype(float)
     last[-1, -1] = 0.1  # one number of double precision

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from feeler.io.raw import RawMesh
 
 _CHUNK = 1 << 18
-_LEAST_DIGITS, _MOST_DIGITS = 6, 12
-"""Decimals of fewer digits are taken for exact ones, such as 12.5; those of more for double precision."""
+_FEWEST_DIGITS, _MOST_DIGITS = 6, 12
+"""Numbers of fewer digits are taken for exact ones, such as 12.5; those of more for double precision."""
+_NOISE = 4.0 * float(np.finfo(np.float64).eps)
+"""By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""
 
 
 def single(vertices: NDArray[np.floating]) -> float:
@@ -30,20 +32,24 @@ def state_rounding(raw: RawMesh, format_name: str) -> None:
 
 
 def of_numbers(vertices: NDArray[np.float64]) -> float:
-    """The largest error of coordinates (n, 3): half a unit in the last place, if all are numbers of single precision,
-    or of so many decimals; 0 for others."""
+    """The largest error of coordinates (n, 3): half a unit in the last place of the largest, if all are numbers of
+    single precision, or have so many digits, before and behind the point; 0 for others."""
     if _all(vertices, lambda some: some.astype(np.float32) == some):
         return single(vertices)
-    largest = np.abs(vertices[np.isfinite(vertices)]).max(initial=0.0)
-    before = max(int(np.floor(np.log10(largest))) + 1, 0) if largest > 0.0 else 0
-    for decimals in range(_MOST_DIGITS - before + 1):
-        if _all(vertices, partial(_has_decimals, decimals)):
-            return 0.5 * 10.0**-decimals if before + decimals >= _LEAST_DIGITS else 0.0
-    return 0.0
+    digits = next((n for n in range(1, _MOST_DIGITS + 1) if _all(vertices, partial(_has_digits, n))), 0)
+    if digits < _FEWEST_DIGITS:
+        return 0.0
+    largest = np.abs(vertices[np.isfinite(vertices)]).max()
+    return float(0.5 * 10.0 ** (np.floor(np.log10(largest)) + 1.0 - digits))
 
 
-def _has_decimals(decimals: int, numbers: NDArray[np.float64]) -> NDArray[np.bool_]:
-    return np.asarray(np.round(numbers, decimals) == numbers)
+def _has_digits(digits: int, numbers: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which numbers have at most so many digits, from the first that is not 0."""
+    size = np.abs(numbers)
+    with np.errstate(all="ignore"):
+        unit = 10.0 ** (np.floor(np.log10(size)) + 1.0 - digits)
+        rest = np.abs(np.round(size / unit) * unit - size)
+    return np.asarray((size == 0.0) | (rest <= _NOISE * size))
 
 
 def _all(vertices: NDArray[np.float64], is_so: Callable[[NDArray[np.float64]], NDArray[np.bool_]]) -> bool:
