@@ -531,3 +531,23 @@ def test_the_command_doubts_findings_of_another_geometry(tmp_path: Path) -> None
     )
     told = " ".join(run("clash", tmp_path / "house.glb", "--previous", tmp_path / "a.json").stderr.split())
     assert "7 of 7 parts" in told and "7 with another shape or place" in told and "of this mock-up?" in told
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (0.02, -0.8, 0.7), (5.0, 0.0, 0.0)])
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_approvals_stay_in_their_holes_where_numbers_and_the_whole_are_shifted(shift, first):
+    """One bolt is deleted, and the others are numbered anew; the last ones are beside the plate."""
+    for count in (2, 3, 5, 8):
+        holes = [0.1 + 0.2 * k for k in range(count)]
+        before = feeler.clash(
+            named([("a/plate", PLATE), *((f"a/bolt_{k}", bolt_at(x)) for k, x in enumerate(holes))]), clearance=0
+        )
+        for row in before:
+            before.set_status(row.id, "approved", note=f"{np.mean(row.box, axis=0)[0]:.1f}")
+        left = [x for k, x in enumerate(holes) if k != min(first, count - 1)]
+        moved = [("a/plate", PLATE), *((f"a/bolt_{k}", bolt_at(x)) for k, x in enumerate(left))]
+        now = feeler.clash(named([(path, shifted(mesh, shift)) for path, mesh in moved]), clearance=0)
+        now.diff(before)
+        kept = [row.note for row in now if row.note]
+        assert kept == [f"{np.mean(row.box, axis=0)[0] - shift[0]:.1f}" for row in now if row.note], (count, kept)
+        assert len(kept) == len([x for x in left if x < 1.0]), count

@@ -3,7 +3,8 @@
     same path, shape and place -> same content -> same shape and place -> same path alone
 
 Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
-place only, since their order is arbitrary. If most parts moved by one vector, places are compared after that motion.
+place only, since their order is arbitrary. If most parts moved, places are compared after the motion of the whole:
+the one under which most parts are in their places.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ _NEAR_SHARE = 0.5
 """For parts with equal paths: how far the centre may move, as a share of the side along each axis, and how much the
 diagonal may change. Bolts of a pattern are farther apart than that."""
 _NO_SHIFT = np.zeros(3)
+_MOST_ALIKE, _MOST_SHIFTS = 4096, 8
+"""How many pairs of equal shape are asked for the motion of the whole, and how many of these motions are tried."""
 
 
 @dataclass(frozen=True)
@@ -85,10 +88,9 @@ def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
     """
     search = _Search(old, new)
     still = search.found(_NO_SHIFT)
-    shift = search.common_shift(still)
-    if shift is not None:
+    for shift in search.common_shifts(still):
         moved = search.found(shift)
-        if np.count_nonzero(moved >= 0) > np.count_nonzero(still >= 0):
+        if search.weight(moved) > search.weight(still):
             still = moved
     return search.by_path(still.copy()), still >= 0
 
@@ -106,6 +108,10 @@ class _Search:
         slack = np.minimum(DEPTH_GROWTH_M, _DIAGONAL_SHARE * self.diagonals[0])
         self.tolerance = _SIDE_SHARE * self.sizes[0] + slack[:, None] + self.rounding
         self.mates = _mates(old, new)
+        self.by_shape = [_by_shape(each, size) for each, size in zip((old, new), self.sizes, strict=True)]
+        self.rarity = np.zeros(len(old))
+        for rows in self.by_shape[0].values():
+            self.rarity[rows] = 1.0 / len(rows)
         self.steps = [[path.split("/")[::-1] for path in each.paths] for each in (old, new)]
 
     def differences(self, olds: Rows, news: Rows, shift: Floats) -> Floats:
@@ -131,18 +137,39 @@ class _Search:
             new_of_old[old] = new
         return new_of_old
 
-    def common_shift(self, new_of_old: Rows) -> Floats | None:
-        """The median motion of the parts that moved, if these are the majority; else None."""
+    def weight(self, new_of_old: Rows) -> tuple[int, float]:
+        """How many parts are matched; of equal numbers, those of rare shapes count more: a pattern matches itself."""
+        is_matched = new_of_old >= 0
+        return int(np.count_nonzero(is_matched)), float(self.rarity[is_matched].sum())
+
+    def common_shifts(self, new_of_old: Rows) -> list[Floats]:
+        """Motions that the whole may have made, if most parts moved, the likeliest first; else none.
+
+        The median motion of parts with equal paths, and the most frequent motions of parts with equal shapes: paths may
+        be numbered anew.
+        """
         olds, news = self.mates
+        alike = self._alike()
         if not len(olds):
-            olds, news = self._alike()
+            olds, news = alike
         scaled = np.abs(self.sizes[1][news] - self.sizes[0][olds]) <= self.tolerance[olds]
         is_rigid = scaled.all(axis=1)
         is_moved = is_rigid & (new_of_old[olds] != news)
         if 2 * np.count_nonzero(is_moved) <= np.count_nonzero(is_rigid):
-            return None
+            return []
         olds, news = olds[is_moved], news[is_moved]
-        return np.asarray(np.median(self.centres[1][news] - self.centres[0][olds], axis=0))
+        median = np.asarray(np.median(self.centres[1][news] - self.centres[0][olds], axis=0))
+        return [median, *self._frequent(self.centres[1][alike[1]] - self.centres[0][alike[0]])]
+
+    def _frequent(self, motions: Floats) -> list[Floats]:
+        """The most frequent of some motions (n, 3), within a tolerance."""
+        if not len(motions):
+            return []
+        cell = 2.0 * (DEPTH_GROWTH_M + self.rounding)
+        places = np.rint(motions / cell).astype(np.int64)
+        _, first, counts = np.unique(places, axis=0, return_index=True, return_counts=True)
+        order = np.lexsort((first, -counts))[:_MOST_SHIFTS]
+        return [np.median(motions[(places == places[first[each]]).all(axis=1)], axis=0) for each in order]
 
     def by_path(self, new_of_old: Rows) -> Rows:
         """Adds matches by path alone: parts that moved or changed their shape."""
@@ -226,17 +253,15 @@ class _Search:
         return _columns(pairs)
 
     def _alike(self) -> tuple[Rows, Rows]:
-        """Pairs of parts whose shape is unique among both old and new parts."""
-        by_shape: list[dict[tuple[float, ...], list[int]]] = [defaultdict(list), defaultdict(list)]
-        for found, shapes, sizes in zip(by_shape, (self.old, self.new), self.sizes, strict=True):
-            for row, (size, area) in enumerate(zip(sizes.tolist(), shapes.area.tolist(), strict=True)):
-                if math.isfinite(area):
-                    found[tuple(float(f"{each:.4g}") for each in (*size, area))].append(row)
-        pairs = [
-            (rows[0], by_shape[1][shape][0])
-            for shape, rows in by_shape[0].items()
-            if len(rows) == 1 == len(by_shape[1].get(shape, ()))
-        ]
+        """Pairs of parts of equal shape, of the shapes that few parts have."""
+        by_shape = self.by_shape
+        both = [(rows, by_shape[1][shape]) for shape, rows in by_shape[0].items() if shape in by_shape[1]]
+        both.sort(key=lambda rows: len(rows[0]) * len(rows[1]))
+        pairs: list[tuple[int, int]] = []
+        for olds, news in both:
+            if pairs and len(pairs) + len(olds) * len(news) > _MOST_ALIKE:
+                break
+            pairs += itertools.islice(itertools.product(olds, news), _MOST_ALIKE)
         return _columns(pairs)
 
     def _add_siblings(self, new_of_old: Rows) -> None:
@@ -287,6 +312,15 @@ def _mates(old: Shapes, new: Shapes) -> tuple[Rows, Rows]:
     is_known = old.is_known, new.is_known
     pairs = [(row, single[1][path]) for path, row in single[0].items() if path in single[1]]
     return _columns([(a, b) for a, b in pairs if is_known[0][a] and is_known[1][b]])
+
+
+def _by_shape(shapes: Shapes, sizes: Floats) -> dict[tuple[float, ...], list[int]]:
+    """The rows of each shape, by size and area."""
+    found: dict[tuple[float, ...], list[int]] = defaultdict(list)
+    for row, (size, area) in enumerate(zip(sizes.tolist(), shapes.area.tolist(), strict=True)):
+        if math.isfinite(area):
+            found[tuple(float(f"{each:.4g}") for each in (*size, area))].append(row)
+    return found
 
 
 def _by_path(paths: Sequence[str], rows: Rows) -> dict[str, list[int]]:

@@ -211,14 +211,14 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
     steps = []
     blocked: dict[str, dict[str, None]] = {}
     for step, after in ordered(asm):
-        legs = tuple(Leg(g.kind, g.axis, _metres(g.point), g.distance * MM, g.angle) for g in step.legs)
+        legs = tuple(Leg(g.kind, g.axis, _metres(g.point), _metre(g.distance), g.angle) for g in step.legs)
         by = dict.fromkeys(
             [*step.blocked_by, *(name for path in [*after, *step.parts] for name in blocked.get(path, ()))]
         )
         for path in step.parts:
             blocked[path] = by
         middle = (0.0, 0.0, 0.0) if step.rigid else _metres(asm.parts[step.parts[0]].pose[:3, 3])
-        moved, needs, wide = many(step.parts), many(after), round(step.spread * MM, 9)
+        moved, needs, wide = many(step.parts), many(after), _metre(step.spread)
         steps.append(Step(moved, legs, needs, step.door_open, step.rigid, step.removes, tuple(by), wide, middle))
     plain_steps = tuple(steps)
     joints = tuple(
@@ -240,7 +240,9 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
     fasteners = tuple(_fastener(asm, f, room) for f in asm.fasteners)
     keepers = tuple(Keeper(full(path), kind, many(held)) for path, kind, held in asm.keepers)
     stays = tuple(Stay(full(path), because) for path, because in asm.stays.items())
-    fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
+    fits = tuple(
+        Fit(full(f.a), full(f.b), f.kind, _metre(f.play), _metre(f.deepest), f.flush) for f in asm.fits.values()
+    )
     faults = tuple(
         Fault(f.name, many(f.parts), f.expects, round(f.value, 9), f.says, many(f.moved)) for f in asm.planted
     )
@@ -250,7 +252,7 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
 
 def _fastener(asm: Assembly, f: assembly.Fastener, room: Room) -> Fastener:
     """A fastener with its tool."""
-    path, size = f"{ROOT}/{f.path}", round(f.size * MM, 9)
+    path, size = f"{ROOT}/{f.path}", _metre(f.size)
     boxes: tuple[tuple[Vector, Vector], ...] = ()
     seat: Vector = (0.0, 0.0, 0.0)
     if f.tool == "open-end wrench":
@@ -263,7 +265,7 @@ def _fastener(asm: Assembly, f: assembly.Fastener, room: Room) -> Fastener:
         swing = room.swing(path, frame, f.frame[:3, 3] * MM, boxes)
     else:
         radius, reach = tool_room(f.tool, f.size)
-        length, width, swing = reach * MM, 2.0 * radius * MM, 0.0 if f.is_stopped else FULL
+        length, width, swing = _metre(reach), _metre(2.0 * radius), 0.0 if f.is_stopped else FULL
     top, axis = _metres(f.frame[:3, 3]), _plain(f.frame[:3, 2])
     holds = tuple(f"{ROOT}/{held}" for held in f.holds)
     return Fastener(path, f.kind, f.tool, size, top, axis, swing, length, width, boxes, seat, holds)
@@ -341,6 +343,11 @@ def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:
         out += ready
         left = [k for k in left if k not in set(ready)]
     return [(asm.steps[k], needs[k]) for k in out]
+
+
+def _metre(millimetres: float) -> float:
+    """To a picometre, so that 13 mm is 0.013 m."""
+    return round(millimetres * MM, 12)
 
 
 def _metres(point: Sequence[float] | Floats) -> tuple[float, float, float]:
