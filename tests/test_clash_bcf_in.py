@@ -367,3 +367,12 @@ def test_comments_are_between_description_and_viewpoints(tmp_path: Path) -> None
     assert [each.tag for each in topic][-3:] == ["Description", "Comments", "Viewpoints"]
     comment = topic.find("Comments/Comment")
     assert comment is not None and [each.tag for each in comment] == ["Date", "Author", "Comment"]
+
+
+def test_blanks_around_a_note_make_it_no_other_note(tmp_path: Path) -> None:
+    """Files keep texts without them."""
+    found = feeler.clash(pins())
+    found.set_status(found.ids[0], "active", note=" ok\n")
+    write_bcf(tmp_path / "out.bcf", found, pins())
+    apply_bcf(found, read_bcf(tmp_path / "out.bcf"))
+    assert found[0].note == " ok\n"

@@ -341,13 +341,14 @@ fn what_touches_is_judged_by_all_of_it() {
     let cube = block([0.0; 3], [2.0; 3], 2, 0.0);
     let flush = block([0.5, 0.6, 0.0], [1.0, 1.1, 1.2], 1, 0.0);
     let verdict = |p: &Arrays, q: Arrays| clashes_of(vec![p.clone(), q], 0.0, 0.0)[0].verdict;
-    // A part beside the cube that has a second surface inside it.
+    // A part beside the cube that has a second surface inside it: the cube holds a solid of it, and nothing crosses.
     let beside = block([2.0, 0.0, 0.0], [3.0, 1.0, 1.0], 1, 0.0);
     assert_eq!(verdict(&cube, beside.clone()), Verdict::Contact);
-    assert_eq!(verdict(&cube, joined([beside, block([0.5; 3], [1.0; 3], 1, 0.0)])), Verdict::Clash);
+    assert_eq!(verdict(&cube, joined([beside.clone(), block([0.5; 3], [1.0; 3], 1, 0.0)])), Verdict::Contained);
+    assert_eq!(verdict(&cube, joined([beside, block([1.5, 0.5, 0.5], [2.5, 1.5, 1.5], 1, 0.0)])), Verdict::Clash);
     // A part inside the cube that has a second surface outside it.
     assert_eq!(verdict(&cube, flush.clone()), Verdict::Contained);
-    assert_eq!(verdict(&cube, joined([flush, block([5.0; 3], [6.0; 3], 1, 0.0)])), Verdict::Clash);
+    assert_eq!(verdict(&cube, joined([flush, block([5.0; 3], [6.0; 3], 1, 0.0)])), Verdict::Contained);
     // A bar from one cheek to the next, with corners where it leaves the one and enters the other and none between.
     let cheeks =
         joined([block([-2.0, 0.0, 0.0], [1.0, 3.0, 3.0], 1, 0.0), block([3.0, 0.0, 0.0], [6.0, 3.0, 3.0], 1, 0.0)]);

@@ -191,7 +191,8 @@ def _joined(lines: Iterable[str]) -> str:
     """Lines as one note, each once."""
     kept: list[str] = []
     for line in lines:
-        if line and not any(line in before.split("; ") or line == before for before in kept):
+        words = line.strip()
+        if words and not any(words in before.split("; ") or words == before.strip() for before in kept):
             kept.append(line)
     return "; ".join(kept)[:LONGEST_NOTE]
 

@@ -49,13 +49,13 @@ class Clashes(Table):
         if thin walls that did not overlap now clash. A partial check resolves nothing. Findings of parts that this
         check did not look at, and those that a rule hides, keep their status in `earlier()` for the next check.
 
-        Parts match by path, even if they moved. If a path is gone (a file, root or sub-assembly was renamed, a level
-        added), or several parts have it, parts match by shape and place: another meshing, small motions, or a shift of
-        the whole assembly do not matter. If it was turned as a whole, such parts do not match. `changed` of findings
-        that match so is "renamed" or "renumbered", and `Changes.parts` counts the parts. Findings become new if their
-        rule is renamed, if a part is renamed and also moved alone or reshaped, and if one of several parts of one path
-        moves by more than half its size. Raises `LoadError` if no part of the previous findings is in this mock-up, by
-        path or by shape.
+        Parts match by path, even if they moved; equal parts that swapped paths, by place. If a path is gone (a file,
+        root or sub-assembly was renamed, a level added), or several parts have it, parts match by shape and place:
+        another meshing, small motions, or a shift of the whole assembly do not matter. If it was turned as a whole,
+        such parts do not match. `changed` of findings that match so is "renamed" or "renumbered", and `Changes.parts`
+        counts the parts. Findings become new if their rule is renamed, if a part is renamed and also moved alone or
+        reshaped, and if one of several parts of one path moves by more than half its size. Raises `LoadError` if no
+        part of the previous findings is in this mock-up, by path or by shape.
         """
         parts = compare(self, previous, growth)
         found = {name: self.where(status=name) for name in ("new", "active", "reviewed", "approved")}

@@ -36,6 +36,9 @@ APPROVAL = ("approved_depth", "approved_error", "approved_verdict")
 _ERROR_SHARE, _LEAST_ERROR_M = 1e-3, 1e-9
 """The largest error of a measured depth, as a share and in metres: for approvals of older files, which lack it."""
 
+_ESTIMATE_SHARE = 1e-2
+"""How much an estimated depth of open parts changes at most if triangles are cut, as a share."""
+
 _NAMESPACE = uuid.UUID("14e5acf5-0b61-45c2-bc05-5a908cb2fbed")
 
 
@@ -65,8 +68,8 @@ NEW = Mark()
 class Found(NamedTuple):
     """What `followed` compares between checks.
 
-    depth: signed, metres. error: how much larger it can be; NaN if not known. is_thin: a clash by the rule of thin
-    walls, whatever its depth.
+    depth: signed, metres. error: how much larger it can be; NaN for estimates of open parts. is_thin: a clash by the
+    rule of thin walls, whatever its depth.
     """
 
     depth: float
@@ -79,7 +82,7 @@ def approved(mark: Mark, found: Found | None) -> Mark:
     """The mark as an approval of what was found; None: without an approval."""
     if found is None:
         return replace(mark, approved_depth=None, approved_error=None, approved_verdict=None)
-    error = found.error if math.isfinite(found.error) else 0.0
+    error = found.error if math.isfinite(found.error) else _ESTIMATE_SHARE * max(found.depth, 0.0)
     return replace(mark, approved_depth=found.depth, approved_error=error, approved_verdict=found.verdict)
 
 
