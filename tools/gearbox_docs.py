@@ -35,7 +35,7 @@ def table(truth: Truth) -> str:
         kinds[fit.kind].append(fit)
     lines = ["| fit | pairs | play on each side, um | as drawn at most, um | for example |", "|---|---|---|---|---|"]
     for kind, fits in sorted(kinds.items(), key=lambda item: (-len(item[1]), item[0])):
-        plays = sorted(round(fit.play_m * 1e6) for fit in fits)
+        plays = sorted(int(np.floor(fit.play_m * 1e6 + 0.5 + 1e-6)) for fit in fits)
         span = f"{plays[0]}" if plays[0] == plays[-1] else f"{plays[0]} to {plays[-1]}"
         deep = round(max(fit.deepest_m for fit in fits) * 1e6)
         a, b = (path.removeprefix("gearbox/") for path in (fits[0].a, fits[0].b))
