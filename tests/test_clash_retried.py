@@ -209,3 +209,17 @@ def test_notes_are_saved(tmp_path: Path, mockup: feeler.Mockup, saved: feeler.Cl
     assert tried.facts.notes
     tried.save(tmp_path / "tried.json")
     assert feeler.load_clashes(tmp_path / "tried.json").facts.notes == tried.facts.notes
+
+
+def test_names_that_are_not_the_ends_of_paths_need_the_mockup() -> None:
+    vertices, faces = box((0, 0, 0), (1, 1, 1))
+    mockup = feeler.Mockup(
+        np.concatenate([vertices, np.add(vertices, 0.5)]),
+        np.concatenate([faces, faces + len(vertices)]),
+        np.repeat([0, 1], len(faces)),
+        ["Pump body", "shaft"],
+        part_paths=["asm/id_001", "asm/id_002"],
+    )
+    rules = {"exclude": [{"name": "pump", "a": "Pump body"}]}
+    found = feeler.clash(mockup)
+    assert len(feeler.clash(mockup, rules=rules)) == len(found.with_rules(rules, mockup)) == 0 < len(found)

@@ -77,13 +77,21 @@ def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTab
     return made
 
 
+def _names(clashes: Table, mockup: Mockup | None) -> list[str]:
+    """The names of the parts: those of the mock-up, else the last steps of their paths."""
+    names = [path.rpartition("/")[2] for path in clashes.part_paths]
+    if mockup is None:
+        return names
+    check_kind("mockup", mockup, Mockup)
+    known = dict(zip(part_keys(mockup.part_paths), mockup.part_names, strict=True))
+    return [known.get(key, name) for key, name in zip(clashes.keys, names, strict=True)]
+
+
 def _limits(clashes: Table, rules: Rules, mockup: Mockup | None) -> tuple[Limits, list[str]]:
     """The limits for the parts of the findings, and notes on what needs another check."""
     paths, facts = clashes.part_paths, clashes.facts
     count = len(paths)
-    parts = Parts(
-        [path.rpartition("/")[2] for path in paths], [*paths], np.zeros(count, np.uint32), np.zeros((count, 2, 3))
-    )
+    parts = Parts(_names(clashes, mockup), [*paths], np.zeros(count, np.uint32), np.zeros((count, 2, 3)))
     notes: list[str] = []
     if count < facts.parts:  # a file has only the parts of its findings
         notes += [f"{what} names no part of these findings" for what in unmatched(rules, parts, paths)]
@@ -113,7 +121,6 @@ def _limits(clashes: Table, rules: Rules, mockup: Mockup | None) -> tuple[Limits
 
 def _shaped(clashes: Table, mockup: Mockup) -> Shaped:
     """Finds fasteners by shape among the parts of the findings; loaded ones have only some of the mock-up's parts."""
-    check_kind("mockup", mockup, Mockup)
     known = {key: part for part, key in enumerate(part_keys(mockup.part_paths))}
     missing = [key for key in clashes.keys if key not in known]
     if missing:
