@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from clash_scene import house, joined, mockup_of, open_box
 from commands import run, run_json
 from shapes import Mesh, box
@@ -108,3 +109,14 @@ def test_the_page_says_it(tmp_path: Path) -> None:
     write_html(tmp_path / "a.html", feeler.clash(mockup_of({"<housing>": HOUSING, "pump": INSIDE})))
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     assert "<p class=advice>1 part is not closed, so parts inside it are not found: &lt;housing&gt;." in page
+
+
+def test_a_file_that_rounds_much_is_told(tmp_path: Path) -> None:
+    for away, is_told in ((65_536.0, True), (1.0, False)):
+        for name, low in (("a", away), ("b", away + 1.0)):
+            vertices, faces = box((low, 0, 0), (low + 1.0, 1, 1))
+            trimesh.Trimesh(vertices, faces).export(tmp_path / f"{name}.stl")
+        found = feeler.clash(feeler.load_mockup(tmp_path, unit="m"))
+        lines = [line for line in advice(found) if "are rounded" in line]
+        assert len(lines) == is_told
+        assert not is_told or "parts up to 15.62 mm in each other are contacts" in lines[0]

@@ -8,6 +8,8 @@ from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
 from feeler.words import length
 
+_COARSE_M = 1e-5
+"""From this least contact on a note says that the file is rounded: less is below what mechanical parts are made to."""
 _NAMED = 3
 """How many parts a note lists by name."""
 
@@ -34,6 +36,11 @@ def advice(clashes: Clashes) -> list[str]:
         )
     if crossing := _open_crossing(clashes):
         found.append(crossing)
+    if facts.least_contact > _COARSE_M:
+        found.append(
+            f"the coordinates of the file are rounded, so parts up to {length(facts.least_contact)} in each other are "
+            "contacts. Export nearer to the origin, or with more digits"
+        )
     return [*found, *facts.notes]
 
 
