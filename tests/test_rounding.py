@@ -115,7 +115,7 @@ def test_numbers_tell_their_digits():
     points[0, 0] = 9.5  # so that the largest is in the same binade for all
     assert of_numbers(points) == 0.0
     assert of_numbers(points.astype(np.float32).astype(float)) == 2.0**-21
-    for decimals in (5, 6, 8):
+    for decimals in (5, 6, 8, 12):
         assert of_numbers(np.round(points, decimals)) == pytest.approx(0.5 * 10.0**-decimals)
         assert of_numbers(as_text(points, f"%.{decimals}e")) == pytest.approx(0.5 * 10.0**-decimals)
         assert of_numbers(100.0 * as_text(points, f"%.{decimals}e")) == pytest.approx(50.0 * 10.0**-decimals)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from feeler.io.raw import RawMesh
 
 _CHUNK = 1 << 18
-_FEWEST_DIGITS, _MOST_DIGITS = 6, 12
+_FEWEST_DIGITS, _MOST_DIGITS = 6, 14
 """Numbers of fewer digits are taken for exact ones, such as 12.5; those of more for double precision."""
 _NOISE = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""
