@@ -760,3 +760,15 @@ def test_an_open_solid_is_refused() -> None:
     with pytest.raises(ValueError, match="loop"):
         solid.mesh()
     assert Cut(0.01).sag(10.0) <= 0.01
+
+
+@pytest.mark.parametrize("triangles", [40_000, 42_000])
+def test_coarse_parts_are_no_deeper_than_their_fits(triangles: int) -> None:
+    """The element in the neck of its bowl, and the collars of pipes in their nuts, are drawn with few sides there."""
+    assert judge.too_deep(judge.of_sample(triangles, 0)) == []
+
+
+def test_screwing_out_is_part_of_the_way_past_a_cable() -> None:
+    truth = feeler.sample_truth("gearbox", 40_000, seed=77123)
+    (step,) = [step for step in truth.steps if step.parts[0] == "gearbox/housing/split_bolts/bolt_7"]
+    assert any("cable" in path for path in step.after)

@@ -11,8 +11,8 @@ class Source:
 
     up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those notes that put results in doubt:
     skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
-    unknown. rounding: how far coordinates may be from those that were meant, metres, since files have so many digits; 0
-    for double precision and arrays.
+    unknown. rounding: the largest rounding error of a coordinate in the files, metres; 0 for double precision and
+    arrays.
     """
 
     files: tuple[str, ...] = ()

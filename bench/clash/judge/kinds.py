@@ -366,6 +366,18 @@ def _sheet_depth(start: Floats, ends: Floats, low: Floats, high: Floats) -> floa
     return float(np.minimum(middle - low, high - middle).min())
 
 
+def _of_sheets(
+    rng: Random, kind: str, parts: tuple[Mesh, Mesh], facts: Facts, dress: tuple[Floats, Floats, float, bool]
+) -> Group:
+    """A pair with a sheet, at one of several values of `contact`; dress: of `_whole_dress`."""
+    turn, place, scale, is_rounded = dress
+    chosen = SHEET_CONTACTS[int(rng.integers(len(SHEET_CONTACTS)))]
+    contact = None if chosen is None else chosen * scale
+    worn = (_worn(rng, parts[0]), _worn(rng, parts[1]))
+    scaled = {(0, 1): facts.scaled(UNIT_M * scale)}
+    return Group(kind, worn, scaled, turn, place, UNIT_M, is_rounded, contact, CLEARANCE_M)
+
+
 def sheets(rng: Random) -> Groups:
     """Rectangles without thickness through, on and in a box, at several values of `contact`. Closed form."""
     while True:
@@ -387,18 +399,7 @@ def sheets(rng: Random) -> Groups:
             out = np.concatenate([(ends - low)[:2], (high - start)[:2], start[2:] - low[2:], high[2:] - start[2:]])
             if is_rounded and out.min() < STEPS[1]:
                 continue
-        contact = SHEET_CONTACTS[int(rng.integers(len(SHEET_CONTACTS)))]
-        yield Group(
-            "open sheets in boxes",
-            (_worn(rng, a), _worn(rng, b)),
-            {(0, 1): facts.scaled(UNIT_M * scale)},
-            turn,
-            place,
-            UNIT_M,
-            is_rounded,
-            None if contact is None else contact * scale,
-            CLEARANCE_M,
-        )
+        yield _of_sheets(rng, "open sheets in boxes", (a, b), facts, (turn, place, scale, is_rounded))
 
 
 SAMPLED = 0.01
@@ -428,18 +429,8 @@ def crossing_sheets(rng: Random) -> Groups:
         one = sheet([left, spans[0][0]], [right, spans[0][1]], 0.0)
         flat_other = sheet([spans[1][0], down], [spans[1][1], up], 0.0)
         other = (flat_other[0][:, [2, 0, 1]], flat_other[1])
-        contact = SHEET_CONTACTS[int(rng.integers(len(SHEET_CONTACTS)))]
-        yield Group(
-            "two open sheets",
-            (_worn(rng, one), _worn(rng, other)),
-            {(0, 1): Facts(depth * (1 - SAMPLED), depth, gap, is_open=True).scaled(UNIT_M * scale)},
-            turn,
-            place,
-            UNIT_M,
-            is_rounded,
-            None if contact is None else contact * scale,
-            CLEARANCE_M,
-        )
+        facts = Facts(depth * (1 - SAMPLED), depth, gap, is_open=True)
+        yield _of_sheets(rng, "two open sheets", (one, other), facts, (turn, place, scale, is_rounded))
 
 
 WALL_CONTACT_M, AWAY_FROM_LIMIT = 5e-4, 0.03

@@ -39,7 +39,7 @@ def solid_of(library: Any, corners: Floats, middle: Floats) -> Any:
     solid = _joined(library, shells)
     if solid is None or solid.status() != library.Error.NoError or not solid.volume() > 0.0:
         return None
-    # A surface that overlaps itself counts what it encloses twice.
+    # A surface that overlaps itself would count the overlap twice.
     return solid if solid.volume() <= _MOST_SHARE * solid.hull().volume() else None
 
 
@@ -51,8 +51,8 @@ def shared_volume(one: Any, other: Any) -> float:
 
 
 class _Shell:
-    """A connected closed surface, turned outwards. size: what it encloses, cubic metres. sense: 1, or -1 if it was
-    wound inwards."""
+    """A connected closed surface, turned outwards. size: its enclosed volume, cubic metres. sense: -1 if it was wound
+    inwards, else 1."""
 
     def __init__(self, library: Any, given: Any) -> None:
         volume = given.volume()

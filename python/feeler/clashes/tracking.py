@@ -79,7 +79,7 @@ class Found(NamedTuple):
 
 
 def approved(mark: Mark, found: Found | None) -> Mark:
-    """The mark as an approval of what was found; None: without an approval."""
+    """The mark with an approval of this finding; None: without an approval."""
     if found is None:
         return replace(mark, approved_depth=None, approved_error=None, approved_verdict=None)
     error = found.error if math.isfinite(found.error) else _ESTIMATE_SHARE * max(found.depth, 0.0)
@@ -97,7 +97,7 @@ def mark_json(mark: Mark) -> dict[str, Any]:
 
 
 def approval_json(mark: Mark) -> dict[str, Any]:
-    """What a mark has of an approval, as files have it, without what is not known."""
+    """The fields of an approval as files store them, without those that are unknown."""
     known = {name: getattr(mark, name) for name in APPROVAL}
     return {name: value for name, value in known.items() if value is not None}
 

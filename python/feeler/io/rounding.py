@@ -1,4 +1,4 @@
-"""How far the coordinates of a file may be from those that were meant, since the file has so many digits."""
+"""The rounding error of coordinates in a file, which stores a limited number of digits."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def state_rounding(raw: RawMesh, format_name: str) -> None:
 
 
 def of_numbers(vertices: NDArray[np.float64]) -> float:
-    """The largest error of coordinates (n, 3): half a unit in the last place of the largest, if all are numbers of
-    single precision, or have so many digits, before and behind the point; 0 for others."""
+    """The largest error of coordinates (n, 3): half a unit in the last digit of the largest one, if all of them are
+    single-precision numbers or decimals of few digits; 0 for double precision."""
     if _all(vertices, lambda some: some.astype(np.float32) == some):
         return single(vertices)
     digits = next((n for n in range(1, _MOST_DIGITS + 1) if _all(vertices, partial(_has_digits, n))), 0)
@@ -44,7 +44,7 @@ def of_numbers(vertices: NDArray[np.float64]) -> float:
 
 
 def _has_digits(digits: int, numbers: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which numbers have at most so many digits, from the first that is not 0."""
+    """Which numbers have at most this many significant digits."""
     size = np.abs(numbers)
     with np.errstate(all="ignore"):
         unit = 10.0 ** (np.floor(np.log10(size)) + 1.0 - digits)
