@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler import _core
+from feeler.poses import PoseLike
 from feeler.words import plural
 
 
@@ -34,6 +37,18 @@ class Depths:
     points_on_mockup: npt.NDArray[np.float64]
     """`(k, 3)`: the point of the part where the depth is measured."""
 
+    @classmethod
+    def _of(
+        cls,
+        parts: npt.NDArray[np.uint32],
+        numbers: npt.NDArray[np.float64],
+        is_estimate: npt.NDArray[np.bool_],
+    ) -> Depths:
+        """From the columns of the core: indices of the mock-up and the tool `(k, 2)`, `numbers` `(k, 8)`."""
+        on_tool, on_mockup = numbers[:, 2:5].copy(), numbers[:, 5:8].copy()
+        depths, errors = numbers[:, 0].copy(), numbers[:, 1].copy()
+        return cls(parts[:, 0].copy(), parts[:, 1].copy(), depths, errors, is_estimate, on_tool, on_mockup)
+
     def __post_init__(self) -> None:
         for column in vars(self).values():
             column.flags.writeable = False
@@ -47,3 +62,13 @@ class Depths:
     def __repr__(self) -> str:
         deepest = f", the deepest {self.depths[0]:.6g} m" if len(self) else ""
         return f"Depths({plural(len(self), 'part')}{deepest})"
+
+
+def deepest(scene: _core.Scene, tool: _core.Tool, pose: PoseLike, seconds: float = math.inf) -> dict[int, float]:
+    """The depth of a tool in each part that it is in, metres; of none if measuring them takes longer than `seconds`."""
+    columns = scene._depths(tool, pose, seconds)
+    found: dict[int, float] = {}
+    if columns is not None:
+        for part, depth in zip(columns[0][:, 0].tolist(), columns[1][:, 0].tolist(), strict=True):
+            found[part] = max(depth, found.get(part, 0.0))
+    return found

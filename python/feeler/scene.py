@@ -562,9 +562,7 @@ class Scene(_core.Scene):
         """
         return super().penetration(tool, world_from_tool, _within(within, endless=False), reference, ignore=ignore)
 
-    def depth(  # type: ignore[override]  # the core gives the columns of `Depths`
-        self, tool: _core.Tool, world_from_tool: PoseLike, *, ignore: Ignore = None
-    ) -> Depths:
+    def depth(self, tool: _core.Tool, world_from_tool: PoseLike, *, ignore: Ignore = None) -> Depths:
         """The depth of the tool in each part that it collides with, contains, or is inside; the deepest first.
 
         The depth of two solids is how far the deepest point of one surface lies inside the other solid. It does not
@@ -572,16 +570,9 @@ class Scene(_core.Scene):
         tree of its triangles, which the scene keeps.
         Arguments and errors as `collide`.
         """
-        parts, numbers, is_estimate = super().depth(tool, world_from_tool, ignore=ignore)
-        return Depths(
-            parts[:, 0].copy(),
-            parts[:, 1].copy(),
-            numbers[:, 0].copy(),
-            numbers[:, 1].copy(),
-            is_estimate,
-            numbers[:, 2:5].copy(),
-            numbers[:, 5:8].copy(),
-        )
+        columns = self._depths(tool, world_from_tool, math.inf, ignore=ignore)
+        assert columns is not None  # it takes no longer than that
+        return Depths._of(*columns)
 
     @keywords({"max": "within"})
     def rays(

@@ -1,6 +1,7 @@
 //! `feeler._core.Scene` and the voxel-size function.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use feeler_contacts as contacts;
 use feeler_contacts::ContactSolver;
@@ -409,22 +410,31 @@ impl Scene {
         Penetration::new(py, found?, (asked, Arc::clone(tool), world_from_tool.0))
     }
 
-    /// Columns: parts, parts of the tool, numbers (depth, error, the point of the tool, that of the part), whether it is an estimate.
-    #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
+    /// Columns: parts, parts of the tool, numbers (depth, error, the point of the tool, that of the part), whether it is an estimate;
+    /// none if it takes longer than some seconds.
+    #[pyo3(signature = (tool, world_from_tool, seconds, *, ignore = None))]
     #[allow(clippy::type_complexity, reason = "a tuple of arrays")]
-    fn depth<'py>(
+    fn _depths<'py>(
         &self,
         py: Python<'py>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
+        seconds: f64,
         ignore: Ignore<'_>,
-    ) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>)> {
+    ) -> PyResult<Option<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>)>> {
         let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
+        let start = Instant::now();
+        let is_late = || start.elapsed().as_secs_f64() > seconds;
         let found = stoppable(py, |go_on| {
             find_topology(self.core.mockup(), tool, true)?;
-            asked.stoppable(go_on).depths(tool, &world_from_tool.0).map_err(to_py)
+            let goes_on = || !is_late() && go_on.goes_on();
+            match asked.stoppable(core::GoOn::new(&goes_on)).depths(tool, &world_from_tool.0) {
+                Err(core::Error::Cancelled) => Ok(None),
+                found => found.map(Some).map_err(to_py),
+            }
         })?;
+        let Some(found) = found else { return Ok(None) };
         let parts = Array2::from_shape_fn((found.len(), 2), |(n, i)| [found[n].part, found[n].tool_part][i]);
         let numbers = Array2::from_shape_fn((found.len(), 8), |(n, i)| match i {
             0 => found[n].depth,
@@ -432,7 +442,7 @@ impl Scene {
             _ => found[n].points[(i - 2) / 3][(i - 2) % 3],
         });
         let is_estimate: Vec<bool> = found.iter().map(|row| row.kind == contacts::DepthKind::Estimate).collect();
-        Ok((parts.into_pyarray(py), numbers.into_pyarray(py), is_estimate.into_pyarray(py)))
+        Ok(Some((parts.into_pyarray(py), numbers.into_pyarray(py), is_estimate.into_pyarray(py))))
     }
 
     #[pyo3(signature = (tool, world_from_tool, within, *, ignore = None))]

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Contacts
+from feeler.depths import deepest
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
@@ -639,15 +640,11 @@ class Mover:
         return found | dict.fromkeys(left, False)
 
     def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
-        """The depth in each of a few parts that it is in."""
-        found: dict[int, float] = {}
+        """The depth in each of a few parts that it is in; of none if the time is up before they are measured."""
         if not parts:
-            return found
+            return {}
         self.graph.clock.look()
-        depths = self.rest.only(parts).depth(self.tool, pose)
-        for part, depth in zip(depths.parts.tolist(), depths.depths.tolist(), strict=True):
-            found[part] = max(depth, found.get(part, 0.0))
-        return found
+        return deepest(self.rest.only(parts), self.tool, pose, self.graph.clock.left)
 
     def _moved(self, direction: Direction, by: float) -> Floats:
         pose = np.eye(4)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from feeler.depths import deepest
 from feeler.mockup import Tool
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE
 from feeler.plan.fasteners import Fastener
@@ -60,4 +61,4 @@ def free_travel(alone: Scene, own: Tool, axis: Floats, far: float) -> float | No
 
 def depth(alone: Scene, tool: Tool, pose: Floats) -> float:
     """How deep a tool is in a part that is alone in its scene, metres."""
-    return max(alone.depth(tool, pose).depths.tolist(), default=0.0)
+    return max(deepest(alone, tool, pose).values(), default=0.0)

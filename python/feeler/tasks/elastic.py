@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from feeler.mockup import Tool
+from feeler.depths import deepest
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, MOST_BLOCKERS, BlockingGraph, Mover
 from feeler.plan.sequence import Exit, undominated
 from feeler.scene import Scene
@@ -113,14 +113,6 @@ class Rings:
         """The parts that leave no room to open a ring."""
         if ring is None:
             return frozenset()
-        relaxed, opened = (_depths(rest, tool) for tool in (ring.opened(0.0), slipping.tool))
+        relaxed, opened = (deepest(rest, tool, np.eye(4)) for tool in (ring.opened(0.0), slipping.tool))
         limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * relaxed.get(part, 0.0) for part in opened}
         return frozenset(part for part, depth in opened.items() if depth > limits[part]) - passed
-
-
-def _depths(scene: Scene, tool: Tool) -> dict[int, float]:
-    found = scene.depth(tool, np.eye(4))
-    deepest: dict[int, float] = {}
-    for part, depth in zip(found.parts.tolist(), found.depths.tolist(), strict=True):
-        deepest[part] = max(depth, deepest.get(part, 0.0))
-    return deepest

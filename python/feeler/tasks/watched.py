@@ -209,10 +209,9 @@ class WatchedScene(Scene):
         self._note(tool, world_from_tool, is_solid=True)
         return super().containment(tool, world_from_tool, *args, **options)
 
-    def depth(self, tool: Any, world_from_tool: Any, *args: Any, **options: Any) -> Any:
-        """As `Scene`."""
+    def _depths(self, tool: Any, world_from_tool: Any, *args: Any, **options: Any) -> Any:
         self._note(tool, world_from_tool, is_solid=True)
-        return super().depth(tool, world_from_tool, *args, **options)
+        return super()._depths(tool, world_from_tool, *args, **options)
 
     def contacts(self, tool: Any, world_from_tool: Any, within: float = 0.002, *args: Any, **options: Any) -> Any:
         """As `Scene`."""

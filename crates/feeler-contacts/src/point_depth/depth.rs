@@ -1,6 +1,6 @@
 //! The depth by points of two bodies, whether it exceeds a limit, and whether two surfaces are the same.
 
-use feeler_core::Point;
+use feeler_core::{GoOn, Point};
 
 use super::body::Body;
 use super::farthest::{farthest, Asked, Counted, Direction, Farthest};
@@ -31,24 +31,29 @@ fn inside<'a>(surface: &'a Body, other: &'a Body) -> Direction<'a> {
     Direction { surface, other, counted: Counted::Inside }
 }
 
-fn depth_of<const N: usize>(directions: [Direction<'_>; N]) -> PointDepth {
-    let Farthest { lower, upper, direction, points } = farthest(directions, Asked::Value);
+fn depth_of<'a, const N: usize>(directions: [Direction<'a>; N], go_on: GoOn<'a>) -> PointDepth {
+    let Farthest { lower, upper, direction, points } = farthest(directions, Asked::Value, go_on);
     let points = points.map(|[p, q]| if direction == 0 { [p, q] } else { [q, p] });
     PointDepth { depth: lower, error: upper - lower, points }
 }
 
 fn is_more<const N: usize>(directions: [Direction<'_>; N], than: f64) -> bool {
-    farthest(directions, Asked::IsMore(than)).upper.is_infinite()
+    farthest(directions, Asked::IsMore(than), GoOn::default()).upper.is_infinite()
 }
 
 /// The farthest that a point of one surface is inside the other body.
-pub fn point_depth([a, b]: [&Body; 2]) -> PointDepth {
-    depth_of([inside(a, b), inside(b, a)])
+pub fn point_depth(pair: [&Body; 2]) -> PointDepth {
+    point_depth_while(pair, GoOn::default())
+}
+
+/// The same. Where it is stopped, the depth is no more than the true one, and the error as large as is known by then.
+pub fn point_depth_while<'a>([a, b]: [&'a Body; 2], go_on: GoOn<'a>) -> PointDepth {
+    depth_of([inside(a, b), inside(b, a)], go_on)
 }
 
 /// The farthest that a point of the first surface is inside the second body.
 pub fn point_depth_from([a, b]: [&Body; 2]) -> PointDepth {
-    depth_of([inside(a, b)])
+    depth_of([inside(a, b)], GoOn::default())
 }
 
 /// Whether the depth is more than a limit, metres, but for rounding.
@@ -228,6 +233,24 @@ mod tests {
             let found = point_depth([&a, &b]);
             assert!((found.depth - 0.4).abs() < 0.05 && found.error < 4.1e-4, "{found:?}");
             assert_attained([&a, &b], &found, "balls");
+        }
+    }
+
+    #[test]
+    fn a_search_that_is_stopped_leaves_true_bounds() {
+        use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+        let moved = |(vertices, faces): Arrays| -> Arrays {
+            (vertices.iter().map(|p| [p[0] + 1.6, p[1] + 0.3, p[2]]).collect(), faces)
+        };
+        let [a, b] = [body(ball(1.0, 40)), body(moved(ball(1.0, 40)))];
+        let whole = point_depth([&a, &b]);
+        for questions in 0..4 {
+            let asked = AtomicUsize::new(0);
+            let goes_on = || asked.fetch_add(1, Relaxed) < questions;
+            let stopped = point_depth_while([&a, &b], GoOn::new(&goes_on));
+            assert_eq!(asked.into_inner(), questions + 1, "it is not asked again");
+            assert!(stopped.depth <= whole.depth + whole.error, "{stopped:?} {whole:?}");
+            assert!(stopped.depth + stopped.error >= whole.depth && stopped.error > 2.0 * whole.error, "{stopped:?}");
         }
     }
 

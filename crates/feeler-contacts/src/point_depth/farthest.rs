@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use feeler_core::geometry::vectors::{add, along, dot, length, scaled, sub, unit};
-use feeler_core::{Aabb, Point, Triangle};
+use feeler_core::{Aabb, GoOn, Point, Triangle};
 
 use super::body::{distance_to, Body, Closest};
 use super::corners::{CornerCache, Side};
@@ -108,6 +108,7 @@ const OFF_SURFACE: f64 = 16.0;
 struct Search<'a, const N: usize> {
     directions: [Direction<'a>; N],
     asked: Asked,
+    go_on: GoOn<'a>,
     /// Lengths up to this count as 0, metres.
     least: f64,
     lower: f64,
@@ -119,12 +120,16 @@ struct Search<'a, const N: usize> {
     corners: [CornerCache; N],
 }
 
-/// The farthest of some directions; see the module.
-pub fn farthest<const N: usize>(directions: [Direction<'_>; N], asked: Asked) -> Farthest {
+/// Steps between two questions whether to go on: less than a millisecond.
+const STEPS_TO_QUESTION: usize = 128;
+
+/// The farthest of some directions; see the module. Where it is stopped, the bounds are true, and wider.
+pub fn farthest<'a, const N: usize>(directions: [Direction<'a>; N], asked: Asked, go_on: GoOn<'a>) -> Farthest {
     let rounding = directions.iter().fold(0.0f64, |most, d| most.max(d.surface.rounding()).max(d.other.rounding()));
     let mut search = Search {
         directions,
         asked,
+        go_on,
         least: rounding,
         lower: 0.0,
         points: None,
@@ -147,7 +152,8 @@ impl<const N: usize> Search<'_, N> {
         let mut steps = 0;
         while let Some(Entry { upper: bound, direction, what }) = self.heap.pop() {
             steps += 1;
-            if self.is_decided() || bound <= self.enough() || steps > MOST_PIECES {
+            let is_stopped = steps % STEPS_TO_QUESTION == 0 && !self.go_on.goes_on();
+            if self.is_decided() || bound <= self.enough() || steps > MOST_PIECES || is_stopped {
                 upper = bound;
                 break;
             }

@@ -8,7 +8,7 @@ use feeler_core::{closest_triangle_triangle, Collision, GoOn, Mockup, Point, Pos
 use super::bodies::Bodies;
 use super::body::Body;
 use super::crossing::crossing_depth;
-use super::depth::{point_depth, DepthKind};
+use super::depth::{point_depth_while, DepthKind};
 use crate::containment::find::containment;
 
 /// How deep a tool is in a part.
@@ -47,10 +47,11 @@ pub(crate) fn depths(scene: &Scene, bodies: &Bodies, tool: &Tool, pose: &Pose, g
         let body = bodies.of(part, || body_of_part(mockup, part));
         let tool_body = own[tool_part as usize].get_or_insert_with(|| body_of_tool(tool, pose, tool_part));
         let has_inside = tool_body.is_closed() || body.is_closed();
-        let measured = if has_inside { point_depth([tool_body, &body]) } else { crossing_depth([tool_body, &body]) };
+        let pair = [&*tool_body, &body];
+        let measured = if has_inside { point_depth_while(pair, go_on) } else { crossing_depth(pair) };
         let points = measured.points.or_else(|| {
             // Where they only touch.
-            let [t, m] = *hits.iter().find(|hit| parts_of(**hit) == pair)?;
+            let [t, m] = *hits.iter().find(|hit| parts_of(**hit) == [part, tool_part])?;
             let closest =
                 closest_triangle_triangle(&pose.apply_triangle(&tool.mesh().triangle(t)), &mockup.mesh().triangle(m));
             Some([closest.on_p, closest.on_q])
