@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
+import pkgutil
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,6 +48,28 @@ def test_help_names_the_attributes_of_meshes() -> None:
     for kind in (feeler.Mockup, feeler.Tool):
         for name in ("part_names", "part_paths", "part_colours", "source"):
             assert f"`{name}`" in (kind.__doc__ or "")
+
+
+def public_dataclasses() -> list[type[Any]]:
+    """All dataclasses that `feeler` and its public modules offer."""
+    names = ["", *(m.name for m in pkgutil.iter_modules(feeler.__path__) if m.name not in ("_core", "__main__"))]
+    modules = [importlib.import_module(f"feeler.{name}".rstrip(".")) for name in [*names, "samples.accessory"]]
+    found = [getattr(module, name) for module in modules for name in getattr(module, "__all__", ())]
+    kinds = [kind for kind in found if isinstance(kind, type) and dataclasses.is_dataclass(kind)]
+    return list(dict.fromkeys(kinds))
+
+
+@pytest.mark.parametrize("kind", public_dataclasses(), ids=lambda kind: kind.__name__)
+def test_help_names_the_fields_of_a_result(kind: type[Any]) -> None:
+    public = [each.name for each in dataclasses.fields(kind) if not each.name.startswith("_")]
+    missing = [name for name in public if not re.search(rf"\b{name}\b", kind.__doc__ or "")]
+    assert not missing
+
+
+def test_help_has_the_texts_of_fields_with_shapes_and_units() -> None:
+    said = " ".join((feeler.Reach.__doc__ or "").split())
+    assert said.startswith("The result for one target.") and "pose: `(4, 4)` world_from_tool" in said
+    assert "is_found:" in (feeler.Task.__doc__ or ""), "fields of the class that it is made of"
 
 
 def test_a_tracker_shows_its_tool_and_scene() -> None:

@@ -242,7 +242,9 @@ BASE = {
     "atomic",
     "calibrate",
     "choices",
+    "depths",
     "errors",
+    "field_docs",
     "memory",
     "mockup",
     "part_meshes",
@@ -263,10 +265,12 @@ ROOMS: dict[str, set[str]] = {
     "progress": {"errors"},
     "words": set(),
     "choices": set(),
-    "figures": set(),
+    "figures": {"field_docs"},
+    # The texts of fields in docstrings.
+    "field_docs": set(),
     "renamed": {"errors"},
     # What users annotate with: it only imports.
-    "types": {*BASE, "clashes", "figures", "haptics", "ignored", "io", "parts", "picture", "workbench"},
+    "types": {*BASE, "clashes", "figures", "haptics", "ignored", "io", "parts", "picture", "tasks", "workbench"},
     "enumerations": {"arguments", "errors"},
     "arguments": {"errors", "progress"},
     # Files that are written whole or not at all.
@@ -275,14 +279,14 @@ ROOMS: dict[str, set[str]] = {
     "poses": {"arguments", "errors"},
     # Material, layer and the like, by part.
     "attributes": {"arguments", "errors"},
-    "parts": {"arguments", "attributes", "errors"},
+    "parts": {"arguments", "attributes", "errors", "field_docs"},
     "memory": set(),
     # The files of saved scenes, which mock-ups and scenes can be in.
     "saved": {"_core", "arguments", "attributes", "errors", "memory", "source"},
-    "source": set(),
+    "source": {"field_docs"},
     "mockup": {
         *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
-        "words",
+        *("field_docs", "words"),
     },
     "part_meshes": {"mockup"},
     "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
@@ -291,7 +295,7 @@ ROOMS: dict[str, set[str]] = {
     "stopping": set(),
     "batches": {"_core", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
-    "depths": {"words"},
+    "depths": {"_core", "field_docs", "words"},
     "scene_pickles": {"errors", "travel"},
     "scene": {
         *("_core", "arguments", "atomic", "batches", "calibrate", "choices", "depths", "enumerations", "errors"),
@@ -356,7 +360,7 @@ ROOMS: dict[str, set[str]] = {
         *("saved", "study", "tasks", "workbench", "feeler"),
     },
     "__init__": {
-        *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "mechanism"),
+        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "mechanism"),
         *(
             "picture",
             "plan",

@@ -69,8 +69,8 @@ class Chain:
     @property
     def joints(self) -> tuple[Screw | Slide, ...]:
         """Its `Screw`s and `Slide`s."""
-    def at(self, pose: npt.ArrayLike, share: float = 1.0) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: a pose moved by a share of the chain, 0 to 1. Raises `PoseError`."""
+    def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: a pose moved by a fraction of the chain, 0 to 1. Raises `PoseError`."""
     def reversed(self) -> Chain:
         """The reverse motion: its axes are where they are at the end."""
     def relative_to(self, other: Chain) -> Chain:

@@ -27,6 +27,10 @@ GroupBy = Literal["part", "rule", "cluster"]
 Chord = Literal["chord"]
 
 FastenerKind = Literal["bolt", "screw", "nut", "stud"]
+JointKindName = Literal["revolute", "prismatic", "screw", "cylindrical", "fixed"]
+OpeningShape = Literal["ball", "cylinder", "box"]
+TaskVerb = Literal["undo", "disconnect", "take out"]
+MaintainFault = Literal["slower", "blocked", "unreachable", "hidden", "failed"]
 
 GripAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
 
@@ -43,6 +47,7 @@ ViewMode = Literal["stop", "glide", "pass"]
 
 ProxyMode = Literal["free", "contact", "bound", "doubt"]
 SeatKind = Literal["touching", "fit", "sunk"]
+MechanismSeatKind = Literal["touching", "fit", "sunk", "round"]
 DevicePreset = Literal["desktop_3dof", "desktop_6dof", "large_6dof"]
 DeviceDriver = Literal["spacemouse", "haply", "dhd", "openhaptics"]
 HandGrip = Literal["firm", "loose"]
@@ -61,6 +66,8 @@ DEFECT_KINDS: tuple[DefectKind, ...] = get_args(DefectKind)
 DEPTH_KINDS: tuple[DepthKind, ...] = get_args(DepthKind)
 GROUPS_BY: tuple[GroupBy, ...] = get_args(GroupBy)
 FASTENER_KINDS: tuple[FastenerKind, ...] = get_args(FastenerKind)
+OPENING_SHAPES: tuple[OpeningShape, ...] = get_args(OpeningShape)
+MAINTAIN_FAULTS: tuple[MaintainFault, ...] = get_args(MaintainFault)
 GRIP_AXES: tuple[GripAxis, ...] = get_args(GripAxis)
 POSE_KINDS: tuple[PoseKind, ...] = get_args(PoseKind)
 SAMPLE_NAMES: tuple[SampleName, ...] = get_args(SampleName)

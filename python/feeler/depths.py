@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.poses import PoseLike
+from feeler.field_docs import documented
 from feeler.words import plural
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Depths:
     """The depth of a tool at one pose: a row for each part that it collides with, contains or is inside; deepest first.
@@ -64,7 +65,9 @@ class Depths:
         return f"Depths({plural(len(self), 'part')}{deepest})"
 
 
-def deepest(scene: _core.Scene, tool: _core.Tool, pose: PoseLike, seconds: float = math.inf) -> dict[int, float]:
+def deepest(
+    scene: _core.Scene, tool: _core.Tool, pose: npt.NDArray[np.float64], seconds: float = math.inf
+) -> dict[int, float]:
     """The depth of a tool in each part that it is in, metres; of none if measuring them takes longer than `seconds`."""
     columns = scene._depths(tool, pose, seconds)
     found: dict[int, float] = {}

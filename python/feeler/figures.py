@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
+from feeler.field_docs import documented
+
 Number = TypeVar("Number", int, float)
 
 
@@ -32,6 +34,7 @@ class _Figures(Mapping[str, Number]):
 # Compared like dicts: with `eq`, a dataclass would equal none.
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class CollisionStats(_Figures[int]):
     """Counters of a query, stage by stage: `Collision.stats`."""
@@ -49,12 +52,14 @@ class CollisionStats(_Figures[int]):
     repeats_skipped: int
     """Repeated pairs that were skipped."""
     triangle_tests: int
+    """Pairs of triangles that were tested."""
     exact_tests: int
     """Triangle tests that needed exact arithmetic because float64 could not decide them."""
     pairs: int
     """Distinct colliding pairs."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class SceneMemory(_Figures[int]):
     """Bytes by structure: `Scene.memory()`. Structures that the scene does not have are None, and no keys."""
@@ -83,23 +88,32 @@ class SceneMemory(_Figures[int]):
     """Which parts are present: of scenes that `without` and `only` made."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class DeviceLimits(_Figures[float]):
     """The limits of a haptic device: `Device.limits`. 0: none, or not known."""
 
     force_n: float
+    """The largest force."""
     torque_nm: float
+    """The largest torque."""
     stiffness_n_per_m: float
     """Largest stable value."""
     rotational_stiffness_nm_per_rad: float
+    """Largest stable value."""
     damping_n_s_per_m: float
     """Viscous, its own."""
     rotational_damping_nm_s_per_rad: float
+    """Viscous, its own."""
     friction_n: float
     """Coulomb."""
     rotational_friction_nm: float
+    """Coulomb."""
     resolution_m: float
     """Smallest step of the measured position."""
     rotational_resolution_rad: float
+    """Smallest step of the measured orientation."""
     rate_hz: float
+    """How often it takes a force each second."""
     delay_s: float
+    """From the measured position to the force on the hand."""

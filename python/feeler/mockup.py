@@ -19,6 +19,7 @@ from feeler.arguments import check_kind, check_list, check_text, check_whole, sh
 from feeler.attributes import Attributes
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
+from feeler.field_docs import documented
 from feeler.parts import Parts, PartsLike
 from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
@@ -32,6 +33,7 @@ VERTEX_LIMIT = 65_535
 """The most vertices of a piece for drawing: its indices have 16 bits."""
 
 
+@documented
 @dataclass(frozen=True)
 class Defect:
     """The number of triangles with one kind of defect, and the first ids. `count, first = defect` unpacks it."""
@@ -43,6 +45,7 @@ class Defect:
         return iter((self.count, self.first))
 
 
+@documented
 @dataclass(frozen=True)
 class LoadReport:
     """The contents and defects of a mesh. `str()` is for people, `to_dict()` for machines.
@@ -53,11 +56,17 @@ class LoadReport:
     """
 
     source: Source
+    """The files, their unit and why, and what puts results in doubt."""
     triangles: int
+    """Their number."""
     vertices: int
+    """Their number."""
     parts: int
+    """Their number."""
     lower: tuple[float, float, float]
+    """Of the box around all, metres."""
     upper: tuple[float, float, float]
+    """Of the box around all, metres."""
     defects: dict[DefectKind, Defect]
 
     @property

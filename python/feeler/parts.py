@@ -19,10 +19,12 @@ from feeler import attributes as attributes_of
 from feeler.arguments import check_text, shown
 from feeler.attributes import Attributes
 from feeler.errors import OptionError
+from feeler.field_docs import documented
 
 _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
 
 
+@documented
 @dataclass(frozen=True)
 class Part:
     """One part of a mock-up or tool. `lower` and `upper` bound its queried triangles, metres; NaN if it has none.
@@ -31,8 +33,10 @@ class Part:
     """
 
     index: int
+    """Into `mockup.parts`."""
     name: str
     path: str
+    """Its names from the root on, joined by "/": unique."""
     triangles: int
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]

@@ -15,7 +15,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from feeler.arguments import (
     check_kind,
@@ -29,7 +29,9 @@ from feeler.arguments import (
     shown,
 )
 from feeler.clashes import Clash, Rule, Rules, Verdict, clash
+from feeler.clashes.rules import WordsLike
 from feeler.errors import LoadError, MeshError, OptionError
+from feeler.field_docs import documented
 from feeler.io.toml import toml_of
 from feeler.mockup import Mockup
 from feeler.progress import Progress
@@ -39,6 +41,7 @@ VERSION = 1
 Words = tuple[str, ...]
 
 
+@documented
 @dataclass(frozen=True)
 class Requirement:
     """Some parts stay at least `gap` metres away from others.
@@ -49,10 +52,15 @@ class Requirement:
     """
 
     name: str
+    """Unique among the requirements."""
     a: Words
     b: Words
     gap: float
     optional: bool = False
+
+    if TYPE_CHECKING:  # it takes more than its fields become
+
+        def __init__(self, name: str, a: WordsLike, b: WordsLike, gap: float, optional: bool = False) -> None: ...
 
     def __post_init__(self) -> None:
         check_text("the name of a requirement", self.name)
@@ -68,6 +76,7 @@ class Requirement:
         check_length(f"requirement {self.name!r}: gap", self.gap)
 
 
+@documented
 @dataclass(frozen=True)
 class Verified:
     """Whether a requirement holds.
@@ -83,7 +92,9 @@ class Verified:
     gap: float | None = None
     depth: float | None = None
     path_a: str | None = None
+    """The part of `a` at the least distance; None without one."""
     path_b: str | None = None
+    """The same of `b`."""
     point_a: tuple[float, float, float] | None = None
     point_b: tuple[float, float, float] | None = None
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from feeler.field_docs import documented
 
+
+@documented
 @dataclass(frozen=True)
 class Source:
     """Where a mesh came from, as reported by its loader.
@@ -17,9 +20,13 @@ class Source:
 
     files: tuple[str, ...] = ()
     format: str = "arrays"
+    """Of the files; "arrays" if there are none."""
     unit: str = "m"
+    """Of their numbers: "mm", "m", ..."""
     unit_source: str = "arrays are metres"
+    """Why it is that unit."""
     seconds: float = 0.0
+    """How long reading took."""
     notes: tuple[str, ...] = ()
     up: str | None = None
     doubts: tuple[str, ...] = ()

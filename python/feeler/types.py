@@ -21,6 +21,10 @@ from feeler.choices import (
     GripAxis,
     GroupBy,
     HandGrip,
+    JointKindName,
+    MaintainFault,
+    MechanismSeatKind,
+    OpeningShape,
     PenetrationKind,
     PoseKind,
     ProxyMode,
@@ -33,6 +37,7 @@ from feeler.choices import (
     Status,
     StlUnit,
     Storage,
+    TaskVerb,
     Touching,
     UnitName,
     UpAxis,
@@ -55,6 +60,9 @@ from feeler.picture.collision import Hits
 from feeler.poses import HasMatrix, PoseLike, PosesLike
 from feeler.progress import Progress
 from feeler.source import Source
+from feeler.tasks.listed import MaintainParts
+from feeler.tasks.reached import TaskTools
+from feeler.tasks.times import TimesLike
 from feeler.workbench.document.arguments import VectorLike
 from feeler.workbench.document.protocol import Camera as ViewCamera
 from feeler.workbench.document.protocol import CommandAnswer, Material, MeasureType
@@ -83,10 +91,15 @@ __all__ = [
     "HasMatrix",
     "Hits",
     "Ignore",
+    "JointKindName",
     "LoadReport",
+    "MaintainFault",
+    "MaintainParts",
     "Material",
     "MeasureType",
+    "MechanismSeatKind",
     "MeshLike",
+    "OpeningShape",
     "Part",
     "Parts",
     "PartsLike",
@@ -111,6 +124,9 @@ __all__ = [
     "Status",
     "StlUnit",
     "Storage",
+    "TaskTools",
+    "TaskVerb",
+    "TimesLike",
     "Touching",
     "UnitName",
     "UpAxis",

@@ -90,9 +90,9 @@ pub enum Error {
         value: f64,
     },
     /// A screw with a number that is not finite or too large, or without an axis.
-    #[error("{what} of the screw is {value:?}: it must be {must}")]
+    #[error("{what} is {value:?}: it must be {must}")]
     Screw {
-        /// "axis", "point", "angle" or "pitch".
+        /// "axis of the screw", "way of the slide", ...
         what: &'static str,
         /// The number given.
         value: f64,

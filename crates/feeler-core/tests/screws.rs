@@ -190,12 +190,12 @@ fn screws_without_sense_are_refused() {
         Err(Error::Screw { what, .. }) => what,
         other => panic!("{other:?}"),
     };
-    assert_eq!(what([0.0; 3], [0.0; 3], 1.0, 0.0), "axis");
-    assert_eq!(what([f64::NAN, 0.0, 1.0], [0.0; 3], 1.0, 0.0), "axis");
-    assert_eq!(what(Z, [f64::INFINITY, 0.0, 0.0], 1.0, 0.0), "point");
-    assert_eq!(what(Z, [0.0; 3], f64::NAN, 0.0), "angle");
-    assert_eq!(what(Z, [0.0; 3], 7000.0, 0.0), "angle");
-    assert_eq!(what(Z, [0.0; 3], 1.0, 1e200), "pitch");
+    assert_eq!(what([0.0; 3], [0.0; 3], 1.0, 0.0), "axis of the screw");
+    assert_eq!(what([f64::NAN, 0.0, 1.0], [0.0; 3], 1.0, 0.0), "axis of the screw");
+    assert_eq!(what(Z, [f64::INFINITY, 0.0, 0.0], 1.0, 0.0), "point of the screw");
+    assert_eq!(what(Z, [0.0; 3], f64::NAN, 0.0), "angle of the screw");
+    assert_eq!(what(Z, [0.0; 3], 7000.0, 0.0), "angle of the screw");
+    assert_eq!(what(Z, [0.0; 3], 1.0, 1e200), "pitch of the screw");
     let tool = tool_of(block([-0.005; 3], [0.005; 3]));
     let out = Screw::new(&Z, &[0.0; 3], 900.0 * TAU, 1e97).unwrap();
     assert!(matches!(Motion::screw(&tool, &moved([0.0, 0.0, 5e99]), &out), Err(Error::PoseNotFinite { .. })));

@@ -67,6 +67,42 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
     }
 }
 
+/// A pose of a call with several; its errors begin with the name of the argument.
+macro_rules! named_poses {
+    ($($function:ident $name:literal),*) => {$(
+        pub fn $function(object: &Bound<'_, PyAny>) -> PyResult<PoseArgument> {
+            object.extract::<PoseArgument>().map_err(|error| named($name, object.py(), error))
+        }
+    )*};
+}
+named_poses!(start_pose "start", end_pose "end", reference_pose "reference");
+
+pub fn end_pose_or_none(object: &Bound<'_, PyAny>) -> PyResult<Option<PoseArgument>> {
+    if object.is_none() {
+        Ok(None)
+    } else {
+        end_pose(object).map(Some)
+    }
+}
+
+pub fn reference_pose_or_none(object: &Bound<'_, PyAny>) -> PyResult<Option<PoseArgument>> {
+    if object.is_none() {
+        Ok(None)
+    } else {
+        reference_pose(object).map(Some)
+    }
+}
+
+/// An error about poses, with the name of the argument in front.
+fn named(name: &str, py: Python<'_>, error: PyErr) -> PyErr {
+    let is_ours = error.get_type(py).name().is_ok_and(|kind| kind == "PoseError");
+    if is_ours {
+        raise("PoseError", format!("{name}: {}", error.value(py)))
+    } else {
+        error
+    }
+}
+
 /// Poses, each rigid: anything that NumPy reads as `(n, 4, 4)` real numbers, what has `as_matrix()`, a list of what a pose can be.
 pub struct PosesArgument(pub Vec<core::Pose>);
 
@@ -112,7 +148,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Switch {
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         match object.cast::<PyBool>() {
             Ok(flag) => Ok(Switch(flag.is_true())),
-            Err(_) => checked(object.py(), "check_flag", ("a filter", object)).map(Switch),
+            Err(_) => checked(object.py(), "check_flag", ("a filter (repeat_filter, box_filter)", object)).map(Switch),
         }
     }
 }
@@ -172,9 +208,10 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
         }
     }
     let py = object.py();
+    let are = if D::NDIM == Some(2) { "a pose is" } else { "poses are" };
     let unreadable = |error: PyErr| {
         if error.is_instance_of::<PyValueError>(py) || error.is_instance_of::<PyTypeError>(py) {
-            let message = format!("poses cannot be read as {shape} numbers: {}", error.value(py));
+            let message = format!("{are} not numbers {shape}: {}", error.value(py));
             let raised = raise("PoseError", message);
             raised.set_cause(py, Some(error));
             raised
@@ -187,7 +224,7 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
     let dtype = array.getattr("dtype")?;
     if !["f", "i", "u"].contains(&dtype.getattr("kind")?.extract::<String>()?.as_str()) {
         let kind = object.get_type().name()?;
-        let message = format!("poses are given as {kind} (dtype {dtype}): real numbers {shape} are needed");
+        let message = format!("{are} {kind} (dtype {dtype}): real numbers {shape} are needed");
         return Err(raise("PoseError", message));
     }
     let array = array.call_method1("astype", (numpy.getattr("float64")?,)).map_err(unreadable)?;
@@ -198,8 +235,8 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
                 Some(2) => "one pose; queries of many have _batch in their names",
                 _ => "many poses; [pose] is a list of one",
             };
-            let found = array.getattr("shape")?;
-            Err(raise("PoseError", format!("poses have shape {found}: {shape} is needed, {other}")))
+            let (found, of) = (array.getattr("shape")?, are.replace(" is", " has").replace(" are", " have"));
+            Err(raise("PoseError", format!("{of} shape {found}: {shape} is needed, {other}")))
         }
     }
 }

@@ -107,10 +107,10 @@ impl Chain {
         PyTuple::new(py, joints.collect::<PyResult<Vec<_>>>()?)
     }
 
-    /// `(4, 4)`: a pose moved by a share of the chain, 0 to 1. Raises `PoseError`.
-    #[pyo3(signature = (pose, share = Fraction(1.0)), text_signature = "($self, pose, share=1.0)")]
-    fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, share: Fraction) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        Ok(pose_array(py, &self.core.at(&pose.0, share.0).map_err(to_py)?))
+    /// `(4, 4)`: a pose moved by a fraction of the chain, 0 to 1. Raises `PoseError`.
+    #[pyo3(signature = (pose, fraction = Fraction(1.0)), text_signature = "($self, pose, fraction=1.0)")]
+    fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: Fraction) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        Ok(pose_array(py, &self.core.at(&pose.0, fraction.0).map_err(to_py)?))
     }
 
     /// The reverse motion: its axes are where they are at the end.

@@ -12,7 +12,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::along::ClearanceAlong;
-use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument, Touching};
+use crate::arguments::{
+    end_pose_or_none, reference_pose_or_none, start_pose, PoseArgument, PosesArgument, Switch, ToolArgument, Touching,
+};
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::contacts::{Contacts, Penetration};
@@ -377,7 +379,7 @@ impl Scene {
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
         within: f64,
-        reference: Option<PoseArgument>,
+        #[pyo3(from_py_with = reference_pose_or_none)] reference: Option<PoseArgument>,
         ignore: Ignore<'_>,
     ) -> PyResult<Contacts> {
         let reference = reference.map(|pose| pose.0);
@@ -397,7 +399,7 @@ impl Scene {
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
         within: f64,
-        reference: Option<PoseArgument>,
+        #[pyo3(from_py_with = reference_pose_or_none)] reference: Option<PoseArgument>,
         ignore: Ignore<'_>,
     ) -> PyResult<Penetration> {
         let reference = reference.map(|pose| pose.0);
@@ -564,8 +566,8 @@ impl Scene {
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
-        start: PoseArgument,
-        end: Option<PoseArgument>,
+        #[pyo3(from_py_with = start_pose)] start: PoseArgument,
+        #[pyo3(from_py_with = end_pose_or_none)] end: Option<PoseArgument>,
         screw: Option<WayArgument<false>>,
         tolerance: f64,
         touching: Touching,

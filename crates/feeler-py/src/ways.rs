@@ -31,7 +31,11 @@ impl<'a, 'py, const END: bool> FromPyObject<'a, 'py> for WayArgument<END> {
             return Ok(WayArgument(leg));
         }
         if END {
-            return Ok(WayArgument(core::Leg::To(object.extract::<PoseArgument>()?.0)));
+            let pose = object.extract::<PoseArgument>().map_err(|error| {
+                let said = error.value(object.py());
+                raise("PoseError", format!("way is no feeler.Screw, Slide or Chain, and no pose: {said}"))
+            })?;
+            return Ok(WayArgument(core::Leg::To(pose.0)));
         }
         let name = object.get_type().name()?;
         Err(raise("OptionError", format!("screw is {name}: give a feeler.Screw, a feeler.Slide or a feeler.Chain")))

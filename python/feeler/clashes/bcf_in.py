@@ -24,6 +24,7 @@ from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, note_of
 from feeler.clashes.result import Clashes
 from feeler.clashes.tracking import Found, derived_id
 from feeler.errors import LoadError, MissingFileError
+from feeler.field_docs import documented
 
 MOST_BYTES = 1 << 30
 """Bytes of a file."""
@@ -50,15 +51,18 @@ _STATUSES: dict[str, Status] = {
 """What the words of trackers mean here. Whether a resolved clash is gone, the next check finds."""
 
 
+@documented
 @dataclass(frozen=True)
 class Comment:
     """A comment on a topic; author and date may be empty."""
 
     text: str
+    """What it says."""
     author: str = ""
     date: str = ""
 
 
+@documented
 @dataclass(frozen=True)
 class Topic:
     """A topic of a BCF file.
@@ -68,22 +72,30 @@ class Topic:
     """
 
     guid: str
+    """Of the topic, as the file has it."""
     title: str
+    """Its title."""
     status: str
     description: str = ""
     assigned_to: str = ""
+    """Who is to look at it; empty if nobody is."""
     comments: tuple[Comment, ...] = ()
+    """In the order of the file."""
     parts: tuple[str, ...] = ()
     ids: tuple[str, ...] = ()
 
 
+@documented
 @dataclass(frozen=True)
 class BcfChanges:
     """What `apply_bcf` did: ids of findings that got another status, and another note; topics of no finding here."""
 
     statuses: tuple[str, ...]
+    """Ids of findings that got another status."""
     notes: tuple[str, ...]
+    """Ids of findings that got another note."""
     unknown: tuple[Topic, ...]
+    """Topics of no finding of the table."""
 
 
 def read_bcf(path: str | os.PathLike[str]) -> tuple[Topic, ...]:

@@ -17,6 +17,7 @@ from feeler.clashes.rules import RulesLike, rules_from
 from feeler.clashes.saving import load, save
 from feeler.clashes.table import Clash, Table
 from feeler.clashes.tracking import DEPTH_GROWTH_M
+from feeler.field_docs import documented
 from feeler.mockup import Mockup
 
 
@@ -80,13 +81,16 @@ class Clashes(Table):
         save(self, path)
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Group:
     """Some findings, the worst first. name: the key of a part, a rule, or "cluster 1"."""
 
     name: str
     rows: npt.NDArray[np.intp]
+    """`(n,)`: indices into the grouped table."""
     clashes: Clashes
+    """The findings themselves."""
 
     @property
     def worst(self) -> Clash:
@@ -97,6 +101,7 @@ class Group:
         return len(self.rows)
 
 
+@documented
 @dataclass(frozen=True)
 class Changes:
     """The findings of a check by status, each a table. `resolved` has rows of the previous check.
@@ -105,9 +110,13 @@ class Changes:
     """
 
     new: Clashes
+    """Found for the first time."""
     active: Clashes
+    """Found before, too, and not decided."""
     reviewed: Clashes
+    """Looked at; nothing was approved."""
     approved: Clashes
+    """Allowed as deep as they were then."""
     resolved: Clashes
     parts: PartMatch
 

@@ -29,9 +29,9 @@ fasteners = true
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from feeler.arguments import (
     check_flag,
@@ -47,14 +47,17 @@ from feeler.arguments import (
 from feeler.choices import Chord, Severity
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
 from feeler.errors import LoadError, OptionError
+from feeler.field_docs import documented
 from feeler.io.toml import parsed_toml, toml_of
 
 VERSION = 1
 
 Words = tuple[str, ...]
+WordsLike = str | Sequence[str]
 EVERYTHING: Words = ("*",)
 
 
+@documented
 @dataclass(frozen=True)
 class Rule:
     """Limits for some pairs of parts.
@@ -65,13 +68,29 @@ class Rule:
     """
 
     name: str
+    """Reports name it."""
     a: Words = EVERYTHING
     b: Words = EVERYTHING
     clearance: float | None = None
     contact: float | Chord | None = None
     severity: Severity = DEFAULT_SEVERITY
+    """Of what it finds."""
     level: int = 0
     optional: bool = False
+
+    if TYPE_CHECKING:  # it takes more than its fields become
+
+        def __init__(
+            self,
+            name: str,
+            a: WordsLike = "*",
+            b: WordsLike = "*",
+            clearance: float | None = None,
+            contact: float | Chord | None = None,
+            severity: Severity = DEFAULT_SEVERITY,
+            level: int = 0,
+            optional: bool = False,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         check_text("the name of a rule", self.name)
@@ -86,6 +105,7 @@ class Rule:
         _check_level(f"{who}: level", self.level)
 
 
+@documented
 @dataclass(frozen=True)
 class Exclusion:
     """Pairs to hide: some parts against others, parts of one sub-assembly, or fasteners against everything.
@@ -95,11 +115,25 @@ class Exclusion:
     """
 
     name: str
+    """Reports name it, with how many findings it hides."""
     a: Words = ()
     b: Words = EVERYTHING
     same_assembly: int = 0
     fasteners: bool = False
     optional: bool = False
+    """Its patterns may match nothing."""
+
+    if TYPE_CHECKING:  # it takes more than its fields become
+
+        def __init__(
+            self,
+            name: str,
+            a: WordsLike = (),
+            b: WordsLike = "*",
+            same_assembly: int = 0,
+            fasteners: bool = False,
+            optional: bool = False,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         check_text("the name of an exclusion", self.name)

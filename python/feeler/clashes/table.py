@@ -18,6 +18,7 @@ from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.tracking import STATUSES, Found, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEFAULT_RULE, DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
+from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
 
@@ -27,6 +28,7 @@ AnyTable = TypeVar("AnyTable", bound="Table")
 Point = tuple[float, float, float]
 
 
+@documented
 @dataclass(frozen=True)
 class Clash:
     """One finding: a pair of parts. Metres, in the mock-up's frame."""
@@ -38,8 +40,11 @@ class Clash:
     b: int
     """The second part."""
     path_a: str
+    """The path of the first part."""
     path_b: str
+    """The path of the second part."""
     verdict: Verdict
+    """What the two are to each other."""
     depth: float
     """How far the deepest point of one surface lies inside the other part: a lower bound. 0 for duplicates and for
     parts that only touch or are apart; NaN if Ctrl-C came first."""
@@ -66,13 +71,16 @@ class Clash:
     is_open_a: bool
     """Whether the surface of `a` is not closed: it has no inside and contains nothing."""
     is_open_b: bool
+    """The same of `b`."""
     rule: str
     severity: Severity
+    """As the rule says, else as the verdict does."""
     status: Status
     """One of `"new"`, `"active"`, `"reviewed"`, `"approved"`, `"resolved"`."""
     by: str
     """The person who set the status; else empty."""
     note: str
+    """What was noted with the status; else empty."""
     changed: str
     """`"renamed"` or `"renumbered"` if `Clashes.diff` found a part under another key, else empty."""
 
@@ -139,6 +147,7 @@ SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
 """The type of each column, and the shape of a row's entry."""
 
 
+@documented
 @dataclass(frozen=True)
 class Facts:
     """Settings and statistics of a check, for reports and later checks.
@@ -155,9 +164,11 @@ class Facts:
     contact: float | Chord = 0.0
     parts: int = 0
     triangles: int = 0
+    """Of the parts that were checked."""
     files: tuple[str, ...] = ()
     seconds: tuple[tuple[str, float], ...] = ()
     counts: tuple[tuple[str, int], ...] = ()
+    """Counters of the check, by name."""
     hidden: tuple[tuple[str, int], ...] = ()
     present: int | None = None
     open_parts: tuple[str, ...] = ()

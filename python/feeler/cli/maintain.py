@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +12,7 @@ import typer
 
 import feeler
 from feeler.arguments import check_word, near
-from feeler.choices import GRIP_AXES
+from feeler.choices import GRIP_AXES, MAINTAIN_FAULTS, MaintainFault
 from feeler.cli.app import FOUND, INTERRUPTED, command
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
@@ -34,13 +35,13 @@ from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
 from feeler.io.xlsx import xlsx_library
 from feeler.progress import bar
-from feeler.tasks.run import FAILS
 from feeler.tasks.steps import clock
 from feeler.words import plural
 
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",), "save": (".json",)}
 _SHOWN = 50
 _BUILT_IN = "built-in"
+_FAULTS = ", ".join(MAINTAIN_FAULTS)
 
 
 @command(
@@ -92,7 +93,9 @@ def maintain(
     fail_on: Annotated[
         str | None,
         typer.Option(
-            "--fail-on", metavar="WORDS", help=f"Exit status 1 if a row is one of these: {', '.join(FAILS)}; by commas."
+            "--fail-on",
+            metavar="WORDS",
+            help=f"Exit status 1 if a row is one of these: {_FAULTS}; by commas.",
         ),
     ] = None,
     seconds: Annotated[float, typer.Option(help="Time for the search of each row."), SECONDS] = 600.0,
@@ -165,13 +168,14 @@ def maintain(
         raise typer.Exit(FOUND)
 
 
-def _words(fail_on: str | None) -> list[str]:
+def _words(fail_on: str | None) -> list[MaintainFault]:
     if fail_on is None:
         return []
-    words = list(dict.fromkeys(word.strip().lower() for word in fail_on.split(",")))
-    for word in words:
-        if word not in FAILS:
-            raise OptionError(f"--fail-on has {word!r}: {near(word, FAILS)}")
+    words: list[MaintainFault] = []
+    for word in dict.fromkeys(word.strip().lower() for word in fail_on.split(",")):
+        if word not in MAINTAIN_FAULTS:
+            raise OptionError(f"--fail-on has {word!r}: {near(word, MAINTAIN_FAULTS)}")
+        words.append(word)
     return words
 
 
@@ -202,7 +206,7 @@ def _written(run: feeler.Maintenance, targets: dict[str, Path | None]) -> dict[s
     return written
 
 
-def _print(run: feeler.Maintenance, failing: dict[str, list[str]], written: dict[str, str]) -> None:
+def _print(run: feeler.Maintenance, failing: Mapping[MaintainFault, list[str]], written: dict[str, str]) -> None:
     from feeler.cli import outputs
 
     out = outputs.console()

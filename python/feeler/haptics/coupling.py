@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, fields
 
 from feeler.arguments import check_kind, check_number
+from feeler.field_docs import documented
 from feeler.haptics.devices import Device
 
 
+@documented
 @dataclass(frozen=True)
 class Coupling:
     """A spring and a damper between the device's pose and the proxy, and their limits.
@@ -18,14 +20,19 @@ class Coupling:
     stiffness_n_per_m: float = 1000.0
     """Of the translational spring, at the tool's centre of area."""
     damping_n_s_per_m: float = 0.1
+    """Of the same spring."""
     rotational_stiffness_nm_per_rad: float = 2.0
+    """Of the rotational spring."""
     rotational_damping_nm_s_per_rad: float = 2e-4
+    """Of the rotational spring."""
     max_force_n: float = 8.0
     """The largest force of the spring; beyond it the spring stretches on."""
     max_torque_nm: float = 0.3
+    """The largest torque of the rotational spring."""
     slew_n_per_s: float = 2000.0
     """Slew: the largest change of the force per second."""
     slew_nm_per_s: float = 75.0
+    """The largest change of the torque per second."""
 
     def __post_init__(self) -> None:
         for each in fields(self):

@@ -15,6 +15,7 @@ import numpy as np
 
 from feeler.arguments import check_path, shown
 from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.field_docs import documented
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import ALSO, FORMAT, GRIP, MODES, PUT_BACK, RELEASE, START, digest_of
 from feeler.haptics.session import Session, one_part
@@ -24,6 +25,7 @@ from feeler.scene import Scene
 _READ = (1, 2, 3)  # format 1 has no parts that lie elsewhere from the start; before 3, parts are gripped one at a time
 
 
+@documented
 @dataclass(frozen=True)
 class Parted:
     """Whether the steps of a record gave the same results, bit for bit."""

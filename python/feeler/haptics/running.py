@@ -12,6 +12,7 @@ from feeler import _core
 from feeler.arguments import check_array, check_flag, check_number, check_whole
 from feeler.choices import ProxyMode
 from feeler.errors import OptionError, SessionError
+from feeler.field_docs import documented
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import Device, Own
 from feeler.haptics.record import Recorder
@@ -20,6 +21,7 @@ from feeler.poses import QUERY_DEVIATION, PoseLike, nearest_rigid, one_pose
 Floats = npt.NDArray[np.float64]
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class View:
     """One tick of a run, for display."""
@@ -54,19 +56,28 @@ class View:
     """`(k,)`: the touched parts, as indices into `mockup.parts`."""
 
 
+@documented
 @dataclass(frozen=True)
 class Distribution:
     """The distribution of durations, in seconds, within one per cent."""
 
     count: int
+    """How many values there are."""
     mean: float
+    """Their mean."""
     median: float
+    """Half of them are no more."""
     p90: float
+    """90 % of them are no more."""
     p99: float
+    """99 % of them are no more."""
     p999: float
+    """99.9 % of them are no more."""
     max: float
+    """The largest."""
 
 
+@documented
 @dataclass(frozen=True)
 class Statistics:
     """Timings and counts of a run."""
@@ -101,6 +112,7 @@ class Statistics:
     """Searches per second. Without new input the thread sleeps; `collision_tick` shows how fast it could be."""
 
 
+@documented
 @dataclass(frozen=True)
 class Granted:
     """The privileges and limits that the system and the device granted to a run."""
@@ -108,12 +120,15 @@ class Granted:
     priority: str
     """Priority of the servo thread, or why it has none; empty if not requested."""
     has_priority: bool
+    """Whether the servo thread has it."""
     collision_priority: str
     """Priority of the collision thread, below the servo's, or why it has none; empty if not requested."""
     has_collision_priority: bool
+    """Whether the collision thread has it."""
     memory: str
     """The locked memory, or why none is locked; empty if not requested."""
     is_locked: bool
+    """Whether memory is locked."""
     coupling: Coupling
     """In use."""
     limitations: tuple[str, ...]
@@ -121,6 +136,7 @@ class Granted:
     requested one and the reason."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Trace:
     """All ticks of a period."""
@@ -134,6 +150,7 @@ class Trace:
     wrenches: Floats
     """`(n, 6)`: force and torque on the hand, as in `View`."""
     modes: tuple[ProxyMode, ...]
+    """What the proxy does in each row."""
     has_device: npt.NDArray[np.bool_]
     """`(n,)`: whether the device reported a valid pose."""
 

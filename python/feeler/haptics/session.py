@@ -15,6 +15,7 @@ from feeler.arguments import check_flag, check_length, check_real, check_whole, 
 from feeler.atomic import check_target
 from feeler.choices import ProxyMode, SeatKind
 from feeler.errors import OptionError, SessionError
+from feeler.field_docs import documented
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import MODES, Recorder
 from feeler.haptics.running import Runs
@@ -26,6 +27,7 @@ from feeler.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Planes:
     """The contact planes at the proxy, nearest first."""
@@ -47,6 +49,7 @@ class Planes:
         return len(self.gaps)
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Step:
     """The result of one step."""
@@ -65,6 +68,7 @@ class Step:
     ones), `doubt` (no force: the pose was invalid, or the planes are too old)."""
 
 
+@documented
 @dataclass(frozen=True)
 class Seat:
     """A part of the tool and one of the mock-up in contact at the start of a session."""
@@ -72,6 +76,7 @@ class Seat:
     part: int
     """Index into `mockup.parts`."""
     tool_part: int
+    """Index into `tool.parts`."""
     kind: SeatKind
     """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, such as press fits
     and parts that overlap by their facets. `sunk`: deeper still, such as a bolt in a plate without a hole."""
@@ -79,6 +84,7 @@ class Seat:
     """Metres."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Start:
     """The start of a session; true unless the tool is sunk.

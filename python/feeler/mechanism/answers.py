@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.choices import MechanismSeatKind
+from feeler.field_docs import documented
+
 Vector = tuple[float, float, float]
 
 
+@documented
 @dataclass(frozen=True)
 class MechanismSeat:
     """A pair of parts of a joint, coupling or loop that are in contact where they are modelled, or of other links that
@@ -22,12 +26,15 @@ class MechanismSeat:
     part: int
     other: int
     path: str
+    """The path of `part`."""
     other_path: str
-    kind: str = "touching"
+    """The path of `other`."""
+    kind: MechanismSeatKind = "touching"
     """`touching`, `fit` or `sunk`, as in `removal`; `round`: a pin in its hole about the axis, of which only the facets
     cross."""
 
 
+@documented
 @dataclass(frozen=True)
 class MechanismContact:
     """The first contact of a moving part with another, at a value of a joint."""
@@ -37,7 +44,9 @@ class MechanismContact:
     part: int
     other: int
     path: str
+    """The path of `part`."""
     other_path: str
+    """The path of `other`."""
     point: Vector
     """Metres, world."""
     normal: Vector
@@ -48,16 +57,19 @@ class MechanismContact:
         return {**vars(self), "point": list(self.point), "normal": list(self.normal)}
 
 
+@documented
 @dataclass(frozen=True)
 class Range:
     """How far a joint moves freely from where it stands."""
 
     joint: str
     start: float
+    """The value that it was asked from, radians or metres."""
     lower: float
     upper: float
     """From `lower` to `upper` it is free, radians or metres."""
     below: MechanismContact | None
+    """What ends the range below; None if nothing or its limit does."""
     above: MechanismContact | None
     """What ends it on both sides; None: a limit, or all that was looked at."""
     seats: tuple[MechanismSeat, ...]
@@ -77,6 +89,7 @@ class Range:
         return found
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class MechanismClearance:
     """Bounds of the least gap over a range of positions, of all pairs of parts but those that are seated.
@@ -93,7 +106,9 @@ class MechanismClearance:
     part: int | None
     other: int | None
     path: str
+    """The path of `part`; empty if there is none."""
     other_path: str
+    """The path of `other`; empty if there is none."""
     points: tuple[Vector, Vector] | None
     """The closest points there, of `part` and `other`, metres, world."""
     boxes: int
@@ -122,6 +137,7 @@ class MechanismClearance:
         return found
 
 
+@documented
 @dataclass(frozen=True)
 class MechanismClashes:
     """The pairs of parts that clash at some position of a joint, by its value."""
@@ -129,8 +145,11 @@ class MechanismClashes:
     joint: str
     """Empty where none has a range: then all values are 0."""
     lower: float
+    """The least value of `joint`, radians or metres."""
     upper: float
+    """The largest."""
     contacts: tuple[MechanismContact, ...]
+    """A row for each pair of parts that meets: where on the way it does first."""
     seats: tuple[MechanismSeat, ...]
     """Pairs that clash only where they go deeper than where they are modelled."""
     is_certified: bool = True

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 from feeler.arguments import check_number, check_text
 from feeler.errors import OptionError
+from feeler.field_docs import documented
 
 _SAME = 1e-9
 
 
+@documented
 @dataclass(frozen=True)
 class JointCoupling:
     """`joint = ratio * of + offset`: gears (a ratio of tooth counts), racks (metres a radian), mimic joints.

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_array, check_number, check_text, check_word, shown
+from feeler.choices import JointKindName
 from feeler.enumerations import CodedEnum
 from feeler.errors import OptionError
+from feeler.field_docs import documented
 from feeler.parts import Part, PartsLike
 
 _SHORTEST_AXIS = 1e-9  # shorter ones are zero but for rounding
@@ -38,6 +41,7 @@ class JointKind(CodedEnum):
     """It is fastened to the parent: no number."""
 
 
+@documented
 @dataclass(frozen=True)
 class Joint:
     """A joint between two links of a mechanism, in the world, at the zero position (where the parts are modelled).
@@ -62,6 +66,22 @@ class Joint:
     pitch: float = 0.0
     because: str = ""
     slide_limits: tuple[float, float] | None = None
+
+    if TYPE_CHECKING:  # it takes more than its fields become
+
+        def __init__(
+            self,
+            name: str,
+            kind: JointKind | JointKindName,
+            parent: PartsLike | None,
+            child: PartsLike,
+            axis: npt.ArrayLike = (0.0, 0.0, 1.0),
+            point: npt.ArrayLike = _ORIGIN,
+            limits: Sequence[float] | None = None,
+            pitch: float = 0.0,
+            because: str = "",
+            slide_limits: Sequence[float] | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         put = object.__setattr__

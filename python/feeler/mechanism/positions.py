@@ -217,10 +217,10 @@ class Positions:
                 ends = f"its limits are {self.said(other, own[0])} to {self.said(other, own[1])}"
                 raise OptionError(f"{by_name}{other!r} {'to' if by_name else 'is'} {self.said(other, number)}: {ends}")
 
-    def checked(self, values: Values | None) -> dict[str, float]:
+    def checked(self, values: Values | None, what: str = "values") -> dict[str, float]:
         """Given numbers. Raises `OptionError` for others."""
         if values is not None and not isinstance(values, Mapping):
-            raise OptionError(f"values is {shown(values)}: give a dict of joints, such as {{'hinge': 1.2}}")
+            raise OptionError(f"{what} is {shown(values)}: give a dict of joints, such as {{'hinge': 1.2}}")
         found = {}
         for name, value in (values or {}).items():
             self.check_name(name)
@@ -279,7 +279,7 @@ class Positions:
         origin = (
             {name: 0.0 for name in found}
             if start is None
-            else {name: self.checked(start).get(name, 0.0) for name in found}
+            else {name: self.checked(start, "start").get(name, 0.0) for name in found}
         )
         if len(given) > 1 and followed:
             kept = self._independent({**found, **{root: origin[root] for root in (*given, *followed)}}, given, loops)
@@ -341,7 +341,7 @@ class Positions:
     def completed(self, at: Values, name: str) -> dict[str, float]:
         """The numbers that stand where a joint begins, with its own where those of its loop leave it free: there it is
         as it is modelled."""
-        given, mine = self._rooted(self.checked(at)), self.driven[name].root
+        given, mine = self._rooted(self.checked(at, "at")), self.driven[name].root
         for group, loops in self.groups:
             if mine not in group or mine in given or not group & given.keys():
                 continue

@@ -51,7 +51,7 @@ class Meeting:
 def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None) -> Range:
     """See `Mechanism.range`."""
     mechanism.check_name(name)
-    at = mechanism.completed(mechanism.checked(given), name)
+    at = mechanism.completed(mechanism.checked(given, "at"), name)
     start = mechanism.position(at)[name]
     at, origin = mechanism.freed(at, name)
     pairs = moving_pairs(mechanism, roots_of(mechanism, [name]))

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Chain, GuardedMove, World
+from feeler.choices import MechanismSeatKind
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.rounds import Round, clear_radii, moved, rounds_of
 from feeler.mockup import Mockup, Tool
@@ -56,7 +57,7 @@ class Seated:
     """Of the link's tool."""
     part: int
     other: int
-    kind: str
+    kind: MechanismSeatKind
     """`touching`, `fit` or `sunk`, as in `removal`; `round`: only facets of a pin and its hole about the axis cross."""
     tool: Tool
     """The part alone, its round surfaces about the axis of the joint clear of those that they turn in."""
@@ -94,8 +95,8 @@ def seated(bodies: Sides, one: int, other: int) -> tuple[Seated, ...]:
         alone = Tool(vertices, faces)
         around = bodies.scene.only([part])
         guard = GuardedMove(World(around, []), alone, np.eye(4))
-        kinds = [str(seat.kind) for seat in guard.seats()]
-        kind = "touching" if not kinds else kinds[0]
+        kinds = [seat.kind for seat in guard.seats()]
+        kind: MechanismSeatKind = kinds[0] if kinds else "touching"
         if by and kind == "touching":
             kind = "round"
         found.append(Seated(number, own[number], part, kind, alone, around, guard))

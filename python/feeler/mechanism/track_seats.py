@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Chain, GuardedMove, Screw, Slide, World
-from feeler.choices import TOUCHINGS
+from feeler.choices import TOUCHINGS, MechanismSeatKind
 from feeler.mechanism.rounds import Round, clear_radii, moved, rounds_of
 from feeler.mechanism.seating import TOUCH_M, Seated
 from feeler.mechanism.track_motion import SAME, Step, seen_from
@@ -68,8 +68,8 @@ def seats_at(
             vertices = (placed - pose[:3, 3]) @ pose[:3, :3]
         alone, single = Tool(vertices, faces), scene.only([other])
         guard = GuardedMove(World(single, []), alone, pose)
-        kinds = [str(seat.kind) for seat in guard.seats()]
-        kind = kinds[0] if kinds else "round" if by else "touching"
+        kinds = [seat.kind for seat in guard.seats()]
+        kind: MechanismSeatKind = kinds[0] if kinds else "round" if by else "touching"
         found.append(TrackSeat(Seated(number, own[number], other, kind, alone, single, guard), pose))
     return found
 

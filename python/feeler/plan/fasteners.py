@@ -13,6 +13,7 @@ import numpy.typing as npt
 from feeler.arguments import check_kind, check_length, check_list, check_progress, check_text, check_word
 from feeler.choices import FASTENER_KINDS, FastenerKind
 from feeler.errors import MeshError
+from feeler.field_docs import documented
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
@@ -68,6 +69,7 @@ _NEARER = 0.88  # for a clear answer: the nearest distance of one end, relative 
 _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
 
 
+@documented
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Fastener:
     """One fastener, as recognised. Metres; NaN if the mesh does not show a value."""
@@ -75,6 +77,7 @@ class Fastener:
     part: int
     """Index into `mockup.parts`."""
     path: str
+    """Its path."""
     kind: FastenerKind
     """"bolt" (hexagon head), "screw" (round head, or a socket without one), "nut" or "stud"."""
     frame: Floats
@@ -87,6 +90,7 @@ class Fastener:
     length: float
     """From the bearing surface of the head to the tip; for a nut its height."""
     head_height: float
+    """From the bearing surface of the head to its top, metres; NaN without a head."""
     confidence: float
     """0 to 1: an order, not a probability. `because` explains it."""
     because: str

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler._core import Screw
+from feeler.field_docs import documented
 
 STRAIGHT_RAD = 1e-6
 """A leg with a smaller rotation is straight."""
@@ -21,6 +22,7 @@ AXIS_SHARE = 0.999
 _UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"))
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class RemovalLeg:
     """One leg of a way, from the end of the previous one; the first begins where the parts are."""

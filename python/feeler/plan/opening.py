@@ -13,7 +13,9 @@ import numpy.typing as npt
 
 from feeler.arguments import check_array, check_flag, check_kind, check_list, check_number, check_path, near, shown
 from feeler.atomic import atomic_file
+from feeler.choices import OPENING_SHAPES, OpeningShape
 from feeler.errors import LoadError, OptionError
+from feeler.field_docs import documented
 from feeler.io.toml import toml_of
 from feeler.mockup import Tool
 from feeler.scene import Scene
@@ -33,16 +35,17 @@ FINE = 0.25
 """The share of the error to which sizes of boxes at different turns are known, and that the turn may cost."""
 CENTRING = 8
 """Directions across the axis in which a wider place is sought."""
-SHAPES = ("ball", "cylinder", "box")
 _THIN = 1e-9  # the width of a segment that stands for a line, metres
 
 
+@documented
 @dataclass(frozen=True)
 class OpeningLimit:
     """The least opening for a hand, an arm or a tool."""
 
     name: str
-    shape: str
+    """What it is called in the table."""
+    shape: OpeningShape
     """"ball", "cylinder" or "box"."""
     width: float
     """Its diameter, or the width of the box, metres."""
@@ -52,16 +55,19 @@ class OpeningLimit:
     """Where the number comes from, such as a standard and its table."""
 
 
+@documented
 @dataclass(frozen=True)
 class OpeningFit:
     """Whether an opening is large enough for a limit."""
 
     limit: OpeningLimit
     is_through: bool
+    """Whether what the limit asks for goes through."""
     largest: float
     """The largest width or diameter of this shape that goes through, metres; of a box with its proportions."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Opening:
     """What goes through at a place along an axis, metres; infinite beyond `most`, 0 if nothing does."""
@@ -77,6 +83,7 @@ class Opening:
     width: float
     """Of the largest box along the axis of the proportions that were asked for."""
     height: float
+    """Of that box, metres."""
     turn_deg: float
     """The turn of the box about the axis: from the direction `across`."""
     across: Floats
@@ -361,8 +368,8 @@ def _limit(table: dict[str, Any], where: str) -> OpeningLimit:
     name, shape, source = table.get("name"), table.get("shape"), table.get("source", "")
     if not isinstance(name, str) or not name or not isinstance(source, str):
         raise LoadError(f"{where}: name is {shown(name)}: give a text")
-    if shape not in SHAPES:
-        raise LoadError(f"{where}: shape is {shown(shape)}: choose {', '.join(SHAPES)}")
+    if shape not in OPENING_SHAPES:
+        raise LoadError(f"{where}: shape is {shown(shape)}: choose {', '.join(OPENING_SHAPES)}")
     sizes = ("width_mm", "height_mm") if shape == "box" else ("diameter_mm",)
     for key in ("diameter_mm", "width_mm", "height_mm"):
         if (key in table) != (key in sizes):
@@ -375,7 +382,7 @@ def _limit(table: dict[str, Any], where: str) -> OpeningLimit:
         values.append(1e-3 * float(value))
     if shape == "box" and not 0.01 <= values[1] / values[0] <= 100.0:
         raise LoadError(f"{where}: height_mm is {shown(table['height_mm'])}: give 0.01 to 100 times the width")
-    return OpeningLimit(name, str(shape), values[0], values[1] if shape == "box" else 0.0, source)
+    return OpeningLimit(name, shape, values[0], values[1] if shape == "box" else 0.0, source)
 
 
 LIMITS_TEMPLATE = """\

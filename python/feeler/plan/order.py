@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError
+from feeler.field_docs import documented
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
 from feeler.plan.blocking import BlockingGraph
@@ -35,14 +36,17 @@ MOST_FULL_PASSES = 8
 is rarely refused by every plan, but may be."""
 
 
+@documented
 @dataclass(frozen=True)
 class RemovalStep:
     """Parts that leave together, and their way, in the mock-up without the parts of the previous steps."""
 
     parts: tuple[int, ...]
     removal: Removal
+    """How they leave."""
 
 
+@documented
 @dataclass(frozen=True)
 class RemovalOrder(OldAttributes):
     """The parts to remove, in order, the wanted ones last.

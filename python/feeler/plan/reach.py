@@ -10,12 +10,14 @@ from typing import Any, ClassVar, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.field_docs import documented
 from feeler.plan.blocked import Blocker
 from feeler.renamed import OldAttributes
 
 Floats = npt.NDArray[np.float64]
 
 
+@documented
 @dataclass(frozen=True)
 class TriedTool:
     """A tool of a catalogue that does not reach a target."""
@@ -23,10 +25,12 @@ class TriedTool:
     tool: str
     """Its name; of a chain that fails at its first pieces, these alone."""
     because: str
+    """Why it does not reach."""
     blockers: tuple[Blocker, ...]
     """The parts in its way, most frequent first."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Reach(OldAttributes):
     """The result for one target."""
@@ -38,6 +42,7 @@ class Reach(OldAttributes):
     part: int | None
     """Its fastener, index into `mockup.parts`: the tool may touch it. None: no part is near the target."""
     path: str | None
+    """The path of that part; None if there is none."""
     is_reachable: bool
     """Whether there is a way in to a free swing that is large enough."""
     swing_deg: float

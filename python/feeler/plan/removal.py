@@ -16,6 +16,7 @@ from feeler import _core
 from feeler._core import Screw
 from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError, PoseError
+from feeler.field_docs import documented
 from feeler.mockup import Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
@@ -33,6 +34,7 @@ LARGEST_SEED = 2**64 - 1
 LARGEST_ROUNDS = 2**32 - 1
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class RemovalBlocker(Blocker):
     """A part that stopped attempts, how often, and the best attempt that it stopped."""
@@ -43,11 +45,13 @@ class RemovalBlocker(Blocker):
     """`(4, 4)`: the motion of the part at that point."""
 
 
+@documented
 @dataclass(frozen=True)
 class Certificate:
     """The values that reproduce the answer: with these versions, the same scene and arguments."""
 
     seed: int
+    """The seed of the search."""
     method: str
     """How the way was found: "straight", "pushes", "tree 3" (of random trees, by number), "out" (it was already out),
     "direct" (an insertion, straight from its start to its goal), "none"."""
@@ -56,6 +60,7 @@ class Certificate:
     versions: tuple[tuple[str, str], ...]
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class Removal(OldAttributes):
     """A path of parts out of a mock-up, or the blocking parts. Only `held_by` proves that there is no path."""
@@ -64,6 +69,7 @@ class Removal(OldAttributes):
     _GONE: ClassVar[Mapping[str, str]] = {"free": "a path that is found was verified: read is_found"}
 
     is_found: bool
+    """Whether a way was found."""
     legs: tuple[RemovalLeg, ...]
     """The path, leg by leg, from the place of the parts until they are out; `str(leg)` describes it in words."""
     poses: npt.NDArray[np.float64]
@@ -79,6 +85,7 @@ class Removal(OldAttributes):
     without allowed parts. Its error is at most 1/20 of its value or 1/64 of the size of the moving parts, whichever is
     more. Infinite if there is no other part, NaN if no path was found or time ran out before it was measured."""
     certificate: Certificate
+    """How much of the way is proven, and how."""
     blocked_by: tuple[RemovalBlocker, ...]
     """The parts that stopped an attempt, most frequent first; also if a path was found."""
     held_by: tuple[Part, ...]

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_length, check_list, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError
+from feeler.field_docs import documented
 from feeler.parts import PartsLike
 from feeler.plan.removal import (
     LARGEST_ROUNDS,
@@ -30,6 +31,7 @@ from feeler.spreading import Interrupted, check_executor, spread
 from feeler.stopping import check_stop
 
 
+@documented
 @dataclass(frozen=True, eq=False)
 class PartsRemoval:
     """The removal of one entry of `removals`."""

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_array, check_kind, check_list, check_progress, check_whole, shown
 from feeler.errors import OptionError
+from feeler.field_docs import documented
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners
@@ -31,6 +32,7 @@ NEAR_REL = 1e-9
 """A hit as near to the target, relative to the distance, is the target."""
 
 
+@documented
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Seen:
     """How much of one target is seen."""
@@ -40,6 +42,7 @@ class Seen:
     part: int | None
     """Index into `mockup.parts`; None for a point."""
     path: str
+    """The path of that part; None for a point."""
     share: float
     """Of its points, from the best eye, 0 to 1; 0 if no eye is outside of the parts."""
     eye: int | None

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from feeler.arguments import check_word
+from feeler.field_docs import documented
 
 PLAY = 2e-4
 """How far a tool stays off the face that a head bears on, metres."""
@@ -54,6 +55,7 @@ INNER = ("bit", "hex_key", "screwdriver")
 """Kinds that enter a recess."""
 
 
+@documented
 @dataclass(frozen=True)
 class ToolSpec:
     """One tool of a `Catalogue`, or one piece of a chain. Metres and degrees."""

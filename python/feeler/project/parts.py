@@ -18,6 +18,7 @@ import numpy as np
 
 from feeler.clashes.shapes import shapes_of
 from feeler.errors import LoadError
+from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.project.layout import MOST_TEXT
 from feeler.project.store import Change as RowChange
@@ -70,6 +71,7 @@ class PartContent:
         )
 
 
+@documented
 @dataclass(frozen=True)
 class PartChanges:
     """The parts of a mock-up that differ from those that a project's answers are about.

@@ -19,7 +19,7 @@ from feeler.plan.removal import Removal, removal
 from feeler.scene import Scene
 from feeler.spreading import Workers, spread
 from feeler.stopping import check_stop
-from feeler.tasks.reached import Reached, Reaching
+from feeler.tasks.reached import Reached, Reaching, TaskTools
 
 
 @dataclass(frozen=True)
@@ -149,13 +149,13 @@ class Ahead:
 class _Shared:
     """The tools, and what a thread made of them."""
 
-    def __init__(self, tools: object) -> None:
+    def __init__(self, tools: TaskTools) -> None:
         self._tools, self._own = tools, threading.local()
 
     def __getstate__(self) -> object:
         return {"tools": self._tools}
 
-    def __setstate__(self, state: dict[str, object]) -> None:
+    def __setstate__(self, state: dict[str, TaskTools]) -> None:
         self._tools, self._own = state["tools"], threading.local()
 
     def reaching(self, scene: Scene) -> Reaching:

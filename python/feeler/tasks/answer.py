@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 
+from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.tasks.as_glb import SPEED, write_task_glb
 from feeler.tasks.gantt import write_html
+from feeler.tasks.reached import TaskTools
 from feeler.tasks.steps import TaskFacts
 from feeler.tasks.workbook import write_xlsx
 
 
+@documented
 class Task(TaskFacts):
     """How parts are taken out: the best plan that was found, in steps. See `task`."""
 
@@ -22,7 +25,9 @@ class Task(TaskFacts):
         """Writes a workbook: steps, totals, elements. Needs `feeler[xlsx]`. Raises `WriteError`, `OptionError`."""
         write_xlsx(path, self)
 
-    def to_glb(self, path: str | os.PathLike[str], mockup: Mockup, tools: object = None, speed: float = SPEED) -> int:
+    def to_glb(
+        self, path: str | os.PathLike[str], mockup: Mockup, tools: TaskTools = None, speed: float = SPEED
+    ) -> int:
         """Writes a film as GLB; returns its size in bytes. Parts that leave are blue, tools orange, parts nearby grey.
 
         - `mockup`: that of the scene. `tools`: as `task` took them.

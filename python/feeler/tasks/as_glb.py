@@ -15,7 +15,7 @@ from feeler.io.export import Motion, animated_glb
 from feeler.io.film import moments, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.plan.as_glb import in_steps
-from feeler.tasks.reached import shape_of
+from feeler.tasks.reached import TaskTools, shape_of
 from feeler.tasks.steps import TaskFacts, TaskStep
 
 Floats = npt.NDArray[np.float64]
@@ -34,7 +34,7 @@ GAP_M = 0.01
 
 
 def write_task_glb(
-    path: str | os.PathLike[str], mockup: Mockup, task: TaskFacts, tools: object = None, speed: float = SPEED
+    path: str | os.PathLike[str], mockup: Mockup, task: TaskFacts, tools: TaskTools = None, speed: float = SPEED
 ) -> int:
     """Writes the film; returns its size in bytes. See `Task.to_glb`."""
     check_kind("mockup", mockup, Mockup)

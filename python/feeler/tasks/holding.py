@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from feeler.arguments import check_kind, check_list, check_progress, check_whole, near, shown
 from feeler.errors import OptionError
+from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
@@ -58,6 +59,7 @@ WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
 
 
+@documented
 @dataclass(frozen=True)
 class Hold:
     """What one fastener holds."""
@@ -65,6 +67,7 @@ class Hold:
     fastener: int
     """Its part, an index into `mockup.parts`."""
     path: str
+    """The path of its part."""
     kind: str
     """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
     table says so. "cotter": a cotter pin or the like across a bolt or a pin. "dowel": a pin through parts one behind
@@ -73,14 +76,17 @@ class Hold:
     parts: tuple[int, ...]
     """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
     paths: tuple[str, ...]
+    """The paths of `parts`."""
     washers: tuple[int, ...]
     """Washers on it, which come loose too."""
     anchor: int | None
     """The part, or the nut or bolt, that it is fastened in; None if none was found."""
     anchor_path: str
+    """The path of `anchor`; empty if there is none."""
     mates: tuple[int, ...]
     """Other fasteners on its axis: to undo one of them is enough."""
     because: str
+    """Why, in words."""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""

@@ -19,6 +19,8 @@ from feeler.parts import PartsLike
 from feeler.scene import Scene
 from feeler.tasks.planning import MOST_PEOPLE
 
+MaintainParts = str | os.PathLike[str] | Sequence[PartsLike | Mapping[str, Any]]
+"""A CSV file, or a list of parts, each also as a dict of the columns."""
 COLUMNS = ("part", "keep", "people")
 
 
@@ -41,7 +43,7 @@ class _Line:
     where: str
 
 
-def wanted_of(scene: Scene, parts: object) -> list[Wanted]:
+def wanted_of(scene: Scene, parts: MaintainParts) -> list[Wanted]:
     """The rows of a list or a CSV file, with their parts. Raises `LoadError` for the file, `OptionError` for a list."""
     is_file = isinstance(parts, os.PathLike) or (isinstance(parts, str) and parts.lower().endswith(".csv"))
     error: type[LoadError] | type[OptionError]

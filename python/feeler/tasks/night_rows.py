@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from feeler.field_docs import documented
 from feeler.tasks.regions import Regions
 from feeler.tasks.snapshots import MaintainChange
 
@@ -89,6 +90,7 @@ class Seeing:
         return cls(str(data["path"]), float(data["share"]), tuple(str(each) for each in data["out"]), box)
 
 
+@documented
 @dataclass(frozen=True)
 class MaintainRow:
     """One row: how parts of the list come out, and what is new since the last run."""
@@ -102,9 +104,11 @@ class MaintainRow:
     seconds: float
     """The time of the best plan found; NaN without one."""
     low: float
+    """Its time less its spread, seconds."""
     high: float
     """The time less and with its spread."""
     steps: int
+    """How many steps its task has."""
     undone: int
     """Fasteners that are undone."""
     tools: tuple[str, ...]
@@ -119,6 +123,7 @@ class MaintainRow:
     blockers: tuple[str, ...]
     """If it is blocked: parts in the way."""
     said: str
+    """The result in a sentence."""
     error: str
     is_kept: bool
     """Whether it was kept from the last run."""
@@ -129,6 +134,7 @@ class MaintainRow:
     change: str
     """What is new, and which changes it is from; empty if nothing is, or if there was no last run."""
     causes: tuple[MaintainChange, ...]
+    """The changes of the mock-up that the difference to the last run is from."""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""

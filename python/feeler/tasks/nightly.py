@@ -38,17 +38,17 @@ from feeler.stopping import TaskStopped, check_stop
 from feeler.tasks.answer import Task
 from feeler.tasks.digests import digest_of, facts_of, short
 from feeler.tasks.holding import Holds, holds
-from feeler.tasks.listed import Wanted, wanted_of
+from feeler.tasks.listed import MaintainParts, Wanted, wanted_of
 from feeler.tasks.memory import Answer, Memory, carried
 from feeler.tasks.night_rows import Plan, Seeing
 from feeler.tasks.planning import task
-from feeler.tasks.reached import Reaching
+from feeler.tasks.reached import Reaching, TaskTools
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
 from feeler.tasks.snapshots import Changes, Snapshot, keys_of, scene_digest
 from feeler.tasks.steps import clock
 from feeler.tasks.stored_answers import StoredAnswers
-from feeler.tasks.times import Times
+from feeler.tasks.times import Times, TimesLike
 from feeler.tasks.watched import Recall, WatchedScene
 
 Floats = npt.NDArray[np.float64]
@@ -67,10 +67,10 @@ _VERSION = 4
 
 def maintain(
     scene: Scene,
-    parts: object,
+    parts: MaintainParts,
     *,
-    tools: Any = None,
-    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    tools: TaskTools = None,
+    times: TimesLike = None,
     previous: Maintenance | str | os.PathLike[str] | None = None,
     eyes: npt.ArrayLike | None = None,
     seconds: float = 600.0,
@@ -164,7 +164,7 @@ def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> 
     raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
 
 
-def _tools(tools: Any) -> Any:
+def _tools(tools: TaskTools) -> TaskTools:
     """A file is read once, here: workers may be elsewhere, and rows depend on its content."""
     if not isinstance(tools, (str, os.PathLike)):
         return tools
@@ -222,7 +222,7 @@ class _Fixed:
 class _Asked:
     """What all rows share."""
 
-    tools: Any
+    tools: TaskTools
     times: Times
     seconds: float
     seed: int
@@ -375,7 +375,7 @@ def eyes_over(row: Fastener) -> Floats:
     return np.asarray(row.frame[:3, 3] + EYE_M * ways @ row.frame[:3, :3].T)
 
 
-def _digest(tools: Any, times: Times, seconds: float, seed: int, eyes: Floats | None) -> dict[str, str]:
+def _digest(tools: TaskTools, times: Times, seconds: float, seed: int, eyes: Floats | None) -> dict[str, str]:
     """What rows depend on beside the parts."""
 
     return {

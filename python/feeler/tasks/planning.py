@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole, shown
+from feeler.choices import TaskVerb
 from feeler.errors import OptionError
 from feeler.io.plausible import length_text
 from feeler.parts import PartsLike
@@ -35,14 +34,14 @@ from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
 from feeler.tasks.plugs import plugs_in_the_way
 from feeler.tasks.problem import Ordered, Unit
-from feeler.tasks.reached import Tooled
+from feeler.tasks.reached import TaskTools, Tooled
 from feeler.tasks.replanning import Found as Known
 from feeler.tasks.replanning import Memory
 from feeler.tasks.riding_rings import better, riding_rings
 from feeler.tasks.search import Found, Search
 from feeler.tasks.steps import TaskBlocker, TaskStep
 from feeler.tasks.studs import with_wanted_studs
-from feeler.tasks.times import Arithmetic, Timed, Times, idle_patterns, strokes_for, times_of
+from feeler.tasks.times import Arithmetic, Timed, TimesLike, idle_patterns, strokes_for, times_of
 from feeler.tasks.together import Together
 from feeler.words import plural
 
@@ -66,8 +65,8 @@ FOUND, HELD, READY, SEARCHED = 0.1, 0.2, 0.25, 0.85
 def task(
     scene: Scene,
     parts: PartsLike,
-    tools: Any = None,
-    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    tools: TaskTools = None,
+    times: TimesLike = None,
     keep: PartsLike | None = None,
     people: int = 1,
     *,
@@ -116,8 +115,8 @@ def planned(
     memory: Memory,
     scene: Scene,
     parts: PartsLike,
-    tools: Any = None,
-    times: Times | str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    tools: TaskTools = None,
+    times: TimesLike = None,
     keep: PartsLike | None = None,
     people: int = 1,
     *,
@@ -702,7 +701,8 @@ class _Planner:
     def _step(self, number: int, one: _Checked, timed: Timed, after: tuple[int, ...], slot: Slot) -> TaskStep:
         actions, item = self.actions, one.ordered.unit.items[0]
         tooled = one.ordered.choice.key
-        verb, strokes, swing, tool_way = "take out", 0, math.nan, np.empty((0, 4, 4))
+        verb: TaskVerb = "take out"
+        strokes, swing, tool_way = 0, math.nan, np.empty((0, 4, 4))
         if isinstance(tooled, Tooled):
             verb = "disconnect" if actions.is_captive(item) else "undo"
             swing, tool_way = tooled.swing_deg, tooled.way

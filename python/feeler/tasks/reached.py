@@ -26,6 +26,10 @@ from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
 
+HeldTool = Tool | tuple[Tool, Mapping[str, Any]]
+"""A tool, also with options of `access`."""
+TaskTools = Catalogue | str | os.PathLike[str] | HeldTool | Sequence[HeldTool] | Mapping[str, HeldTool] | None
+"""A catalogue, its TOML file, "built-in"; or tools: one, a list, a dict by name; None: all is reached."""
 BUILT_IN = "built-in"
 """Instead of a file: the built-in catalogue."""
 ASSUMED_DEG = 60.0
@@ -111,7 +115,7 @@ class _Told:
 class Reaching:
     """Asks which tools reach a fastener. `tools`: as `task` takes them."""
 
-    def __init__(self, scene: Scene, tools: object, threads: int | None) -> None:
+    def __init__(self, scene: Scene, tools: TaskTools, threads: int | None) -> None:
         self.scene, self.threads = scene, threads
         self.given = tools
         """The argument."""
@@ -273,7 +277,7 @@ class Reaching:
                 yield _room(self._extents[pieces], row, -deep, deep, APPROACH_M)
 
 
-def shape_of(tools: object, name: str) -> Tool:
+def shape_of(tools: TaskTools, name: str) -> Tool:
     """The tool of a step in its own frame; tools: as `task` took them. Raises `OptionError` if it is not among them."""
     chosen = _catalogue(tools)
     if chosen is not None:
@@ -319,7 +323,7 @@ def _room(
     return world.min(axis=0), world.max(axis=0)
 
 
-def _catalogue(tools: object) -> Catalogue | None:
+def _catalogue(tools: TaskTools) -> Catalogue | None:
     """A catalogue, its file, or the built-in one; None for other tools."""
     if isinstance(tools, str) and tools == BUILT_IN:
         return catalogue()
@@ -328,10 +332,10 @@ def _catalogue(tools: object) -> Catalogue | None:
     return tools if isinstance(tools, Catalogue) else None
 
 
-def _tools(tools: object) -> tuple[_Held, ...]:
+def _tools(tools: TaskTools) -> tuple[_Held, ...]:
     """Tools by name: one, a list, or a dict of names; each may come with options of `access`."""
     if isinstance(tools, Mapping):
-        named = [(name, each) for name, each in tools.items()]
+        named: list[tuple[object, object]] = list(tools.items())
     elif isinstance(tools, Sequence) and not isinstance(tools, (str, bytes)) and not _is_pair(tools):
         named = [(None, each) for each in tools]
     else:

@@ -15,7 +15,7 @@ from feeler.plan.removal import Removal
 from feeler.scene import Scene
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.leading import Searched
-from feeler.tasks.reached import Reaching
+from feeler.tasks.reached import Reaching, TaskTools
 
 MOST_KEPT = 4
 """Scenes that are remembered, by the parts that are in them."""
@@ -43,10 +43,10 @@ class Memory:
         self._mockup: Mockup | None = None
         self._setting: Hashable = None
         self._reaching: Reaching | None = None
-        self._tools: Any = None
+        self._tools: TaskTools = None
         self._found: dict[Hashable, Found] = {}
 
-    def reaching(self, scene: Scene, tools: Any, threads: int | None, pitches: Mapping[str, float]) -> Reaching:
+    def reaching(self, scene: Scene, tools: TaskTools, threads: int | None, pitches: Mapping[str, float]) -> Reaching:
         """That of the last plan, where it serves."""
         setting = (_named(tools), tuple(pitches.items()))
         known = self._reaching
@@ -70,7 +70,7 @@ def _mask(mask: npt.NDArray[np.bool_]) -> bytes:
     return np.packbits(mask).tobytes()
 
 
-def _named(tools: Any) -> Hashable:
+def _named(tools: TaskTools) -> Hashable:
     """Equal for equal tools; `Memory` holds them, so that their ids stay theirs."""
     if isinstance(tools, Catalogue):
         return tools

@@ -13,6 +13,7 @@ import numpy as np
 
 from feeler.arguments import check_path, check_word
 from feeler.atomic import atomic_file
+from feeler.choices import MAINTAIN_FAULTS, MaintainFault
 from feeler.errors import LoadError, MissingFileError, WriteError
 from feeler.io.text import text_of
 from feeler.tasks.digests import short
@@ -23,8 +24,6 @@ from feeler.tasks.steps import clock
 from feeler.tasks.stored_answers import ENDING, StoredAnswers
 from feeler.words import plural
 
-FAILS = ("slower", "blocked", "unreachable", "hidden", "failed")
-"""What a run may be searched for."""
 SAME_S = 0.05
 """Differences below are none, seconds."""
 SAME_SIGHT = 0.02
@@ -108,17 +107,17 @@ class Maintenance(Sequence[MaintainRow]):
         """The rows, those first that are new in some way: worse, better, otherwise."""
         return sorted(self, key=_rank)
 
-    def failing(self, word: str) -> list[MaintainRow]:
+    def failing(self, word: MaintainFault) -> list[MaintainRow]:
         """The rows that are "slower" than in the last run (or came out then alone), "blocked", "unreachable" (blocked,
         as no tool reaches a fastener), have "hidden" fasteners, or "failed". Raises `OptionError` for other words."""
-        tests: dict[str, Callable[[MaintainRow], bool]] = {
+        tests: dict[MaintainFault, Callable[[MaintainRow], bool]] = {
             "slower": lambda row: row.is_slower,
             "blocked": lambda row: row.state == "blocked",
             "unreachable": lambda row: row.is_unreachable,
             "hidden": lambda row: bool(row.hidden),
             "failed": lambda row: row.state == "failed",
         }
-        test = tests[check_word("word", word, FAILS)]
+        test = tests[check_word("word", word, MAINTAIN_FAULTS)]
         return [row for row in self if test(row)]
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
 from feeler.plan.blocking import room_of
@@ -38,11 +39,13 @@ SAME_SHARE = 1e-6
 """How much area and length of edges may differ where a part only moved."""
 
 
+@documented
 @dataclass(frozen=True)
 class MaintainChange:
     """What changed of one part between two runs."""
 
     path: str
+    """The part."""
     what: What
     """"is held otherwise": it stayed, but another part holds it, or it holds others."""
 

@@ -10,29 +10,34 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.choices import TaskVerb
+from feeler.field_docs import documented
 from feeler.tasks.times import Element
 from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
 
+@documented
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class TaskStep:
     """One step of a task."""
 
     number: int
-    verb: str
+    verb: TaskVerb
     """"undo", "disconnect" (it stays on its pipe), or "take out"."""
     part: str
     """The path of the fastener, or of the first part."""
     parts: tuple[int, ...]
     """All parts that leave with it, indices into `mockup.parts`; what is disconnected stays for now."""
     paths: tuple[str, ...]
+    """The paths of `parts`."""
     tool: str
     """Empty: by hand, or without tools."""
     swing_deg: float
     """The free swing of the tool, degrees; NaN without one."""
     strokes: int
+    """How often the tool is set on anew; 0 without a tool."""
     way: Floats
     """`(k, 4, 4)`: the motion of the parts in the world, from their place until they are out, as `Removal.poses`. A
     fastener is drawn off its thread. Empty where it was not checked."""
@@ -51,6 +56,7 @@ class TaskStep:
     """The parts that the step depends on: those whose boxes its motion, and its tool, can meet. While these do not
     change, the step holds."""
     because: str
+    """Why it is done, in words."""
     arithmetic: str
     """How its time adds up."""
 
@@ -74,6 +80,7 @@ class TaskStep:
         return row | {"swing_deg": None if math.isnan(self.swing_deg) else self.swing_deg}
 
 
+@documented
 @dataclass(frozen=True)
 class TaskBlocker:
     """Something that nothing frees."""
@@ -81,6 +88,7 @@ class TaskBlocker:
     part: str
     """Its path."""
     because: str
+    """Why it stays."""
     blockers: tuple[str, ...]
     """Paths of the parts in its way."""
 
@@ -96,6 +104,7 @@ class TaskFacts:
     parts: tuple[str, ...]
     """Paths of the wanted parts."""
     is_found: bool
+    """Whether all wanted parts come out, and each way was checked."""
     steps: tuple[TaskStep, ...]
     """In order; empty if none was found. After Ctrl-C (`TaskInterrupted`), or if the time was up: those of the best
     plan until then, without their ways."""
@@ -108,6 +117,7 @@ class TaskFacts:
     blocked: tuple[TaskBlocker, ...]
     """If no plan was found: what nothing frees, and why; if the search ended before it knew, what is in the way."""
     people: int
+    """How many work."""
     is_complete: bool
     """Whether the search ended by itself, not at a limit."""
     elements: Mapping[str, Element]
@@ -115,6 +125,7 @@ class TaskFacts:
     examples: tuple[str, ...]
     """Those of them that are built-in examples."""
     notes: tuple[str, ...] = ()
+    """What was not checked, and which times are examples."""
 
     def __len__(self) -> int:
         return len(self.steps)

@@ -49,6 +49,10 @@ class Element(NamedTuple):
     """Its standard deviation, seconds."""
 
 
+TimeLike = float | Sequence[float] | Element
+"""Seconds, or mean and spread."""
+
+
 class WholePath(str):
     """A pattern that matches this path alone, whatever its signs. It is not equal to the same text as a pattern."""
 
@@ -94,10 +98,10 @@ class Times:
 
     def __init__(
         self,
-        elements: Mapping[str, Any] | None = None,
+        elements: Mapping[str, TimeLike] | None = None,
         *,
         pitches_mm: Mapping[str, float] | None = None,
-        typed: Mapping[str, Any] | None = None,
+        typed: Mapping[str, TimeLike] | None = None,
     ) -> None:
         given = _table("elements", elements)
         unknown = [name for name in given if name not in EXAMPLES]
@@ -176,7 +180,11 @@ def strokes_for(turns: float, stroke_deg: float) -> int:
     return max(1, math.ceil(turns * 360.0 / min(stroke_deg, 360.0) - LEAST_STROKE))
 
 
-def times_of(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> Times:
+TimesLike = Times | str | os.PathLike[str] | Mapping[str, TimeLike] | None
+"""A table, its file, elements by name, or the examples."""
+
+
+def times_of(times: TimesLike) -> Times:
     """A table as `task` takes it: one, a file, a dict of elements, or None for the examples."""
     if isinstance(times, Times):
         return times

@@ -109,7 +109,11 @@ impl Chain {
         for joint in &joints {
             let Joint::Slide(way) = joint else { continue };
             if let Some(value) = way.iter().find(|x| !x.is_finite() || x.abs() > LARGEST_COORDINATE) {
-                return Err(Error::Screw { what: "slide", value: *value, must: "finite and at most 1e100 in size" });
+                return Err(Error::Screw {
+                    what: "way of the slide",
+                    value: *value,
+                    must: "finite and at most 1e100 in size",
+                });
             }
         }
         Ok(Chain { joints: joints.into() })

@@ -28,21 +28,23 @@ impl Screw {
         let fault = |what: &'static str, value: f64, must: &'static str| Error::Screw { what, value, must };
         let is_good = |x: &&f64| x.is_finite() && x.abs() <= LARGEST_COORDINATE;
         let finite = "finite and at most 1e100 in size";
-        for (what, values) in [("axis", &axis[..]), ("point", &point[..]), ("pitch", &[pitch])] {
+        for (what, values) in
+            [("axis of the screw", &axis[..]), ("point of the screw", &point[..]), ("pitch of the screw", &[pitch])]
+        {
             if let Some(value) = values.iter().find(|x| !is_good(x)) {
                 return Err(fault(what, *value, finite));
             }
         }
         if angle.is_nan() || angle.abs() > MOST_TURNS * TAU {
-            return Err(fault("angle", angle, "radians, at most a thousand turns"));
+            return Err(fault("angle of the screw", angle, "radians, at most a thousand turns"));
         }
         // A unit stays as it is, to the last bit: screws that travel are the same there.
         let is_unit = (dot(axis, axis) - 1.0).abs() <= 4.0 * f64::EPSILON;
         let axis = if is_unit { Some(*axis) } else { unit(axis) };
-        let axis = axis.ok_or_else(|| fault("axis", 0.0, "a direction that is not zero"))?;
+        let axis = axis.ok_or_else(|| fault("axis of the screw", 0.0, "a direction that is not zero"))?;
         let screw = Screw { axis, point: *point, angle, pitch };
         if !is_good(&&screw.advance()) {
-            return Err(fault("pitch", pitch, finite));
+            return Err(fault("pitch of the screw", pitch, finite));
         }
         Ok(screw)
     }

@@ -9,6 +9,8 @@ import difflib
 import json
 from dataclasses import asdict, dataclass
 
+from feeler.field_docs import documented
+
 from ...errors import OptionError
 
 Vector = tuple[float, float, float]
@@ -19,6 +21,7 @@ STOP_RAD = 0.035
 stops."""
 
 
+@documented
 @dataclass(frozen=True)
 class Fit:
     """Two parts that touch or fit into each other. Pairs without a fit neither touch nor cross.
@@ -43,6 +46,7 @@ class Fit:
     """They touch, plane on plane, whatever the play of the fit: a gear on its seat also leans on the shoulder."""
 
 
+@documented
 @dataclass(frozen=True)
 class Leg:
     """One motion of a removal path."""
@@ -59,6 +63,7 @@ class Leg:
     """Counter-clockwise seen against the axis, so that a right-handed thread has a positive one; 0 for a pull."""
 
 
+@documented
 @dataclass(frozen=True)
 class Step:
     """Parts that come out together, and how."""
@@ -88,6 +93,7 @@ class Step:
     """A point on that axis, which has the direction of the first leg; zero for rigid parts."""
 
 
+@documented
 @dataclass(frozen=True)
 class Fastener:
     """A bolt, screw or nut with its tool."""
@@ -125,11 +131,13 @@ class Fastener:
     itself."""
 
 
+@documented
 @dataclass(frozen=True)
 class Keeper:
     """A part without a tool that keeps others in place: a circlip, a key, a dowel, a clip, a bayonet, a latch, ..."""
 
     path: str
+    """Of its part."""
     kind: str
     """How it keeps them; see `KEEPS`."""
     holds: tuple[str, ...]
@@ -158,14 +166,17 @@ KEEPS = {
 """What each `Keeper.kind` means."""
 
 
+@documented
 @dataclass(frozen=True)
 class Stay:
     """A part without a removal path."""
 
     path: str
     because: str
+    """Why no step removes it."""
 
 
+@documented
 @dataclass(frozen=True)
 class Joint:
     """Parts that rotate together about an axis, with all others at rest. 0 is their pose in the mock-up."""
@@ -181,6 +192,7 @@ class Joint:
     point_m: Vector
     """On the axis, metres."""
     low: float | None
+    """The least value, radians or metres."""
     high: float | None
     """Limits, radians, counter-clockwise seen against the axis; None without limits. Strictly between them the parts
     collide with no part except through named fits; at most `STOP_RAD` beyond them they hit a stop."""
@@ -192,20 +204,24 @@ class Joint:
     """Joints that must be at their `high` first: a door opens after its latch is turned."""
 
 
+@documented
 @dataclass(frozen=True)
 class Body:
     """A part's material."""
 
     path: str
+    """Of its part."""
     material: str
     """Its name: "cast aluminium", "hardened steel", "polyamide", ..."""
     density_kg_per_m3: float
+    """Of its material."""
     mass_kg: float
     """Of the part as modelled."""
     colour: Vector
     """sRGB, 0 to 1."""
 
 
+@documented
 @dataclass(frozen=True)
 class Fault:
     """A planted fault, and the expected result of a check."""
@@ -229,6 +245,7 @@ class Fault:
     which it lifts by its own thickness."""
 
 
+@documented
 @dataclass(frozen=True)
 class Truth:
     """The known facts of one gearbox; see `feeler.sample_truth`."""
@@ -250,6 +267,7 @@ class Truth:
     stays: tuple[Stay, ...]
     """Parts that no step removes, and why."""
     joints: tuple[Joint, ...]
+    """What can be moved in its place, and how far."""
     faults: tuple[Fault, ...]
     """In the given order."""
 
