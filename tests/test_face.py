@@ -50,9 +50,13 @@ def test_help_names_the_attributes_of_meshes() -> None:
             assert f"`{name}`" in (kind.__doc__ or "")
 
 
+# Rooms behind the commands and the formats; `types` says what users annotate with.
+INSIDE = ("_core", "__main__", "agent", "cli", "io")
+
+
 def public_dataclasses() -> list[type[Any]]:
     """All dataclasses that `feeler` and its public modules offer."""
-    names = ["", *(m.name for m in pkgutil.iter_modules(feeler.__path__) if m.name not in ("_core", "__main__"))]
+    names = ["", *(m.name for m in pkgutil.iter_modules(feeler.__path__) if m.name not in INSIDE)]
     modules = [importlib.import_module(f"feeler.{name}".rstrip(".")) for name in [*names, "samples.accessory"]]
     found = [getattr(module, name) for module in modules for name in getattr(module, "__all__", ())]
     kinds = [kind for kind in found if isinstance(kind, type) and dataclasses.is_dataclass(kind)]

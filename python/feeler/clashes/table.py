@@ -87,7 +87,10 @@ class Clash:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """The arrays of a table, a row for each finding."""
+    """The arrays of a table, a row for each finding: `a`, `b`, `depth`, `depth_error`, `translation`, `gap`, `point_a`,
+    `point_b`, `volume`, `triangles`, `box`, `rule` and `severity` as of `Clash`; `verdict` and `depth_kind` by number;
+    `is_open` of both parts.
+    """
 
     a: npt.NDArray[np.uint32]
     b: npt.NDArray[np.uint32]
