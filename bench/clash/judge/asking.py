@@ -32,8 +32,8 @@ class Group:
     """Parts that are checked together, with the expected facts of each pair.
 
     parts: meshes in local coordinates; `(part @ turn.T + place) * unit` are world coordinates in metres. facts: metres.
-    is_rounded: whether this transformation rounds. is_single: whether the coordinates then go through a file in single
-    precision. right: the right verdicts, if they do not follow from the facts.
+    is_rounded: whether this transformation rounds. right: the right verdicts, if they do not follow from the facts.
+    is_single: whether the coordinates then go through a file in single precision.
     """
 
     kind: str
@@ -43,10 +43,10 @@ class Group:
     place: Floats = field(default_factory=lambda: np.zeros(3))
     unit: float = 1.0
     is_rounded: bool = True
-    is_single: bool = False
     contact: float | None = None
     clearance: float = 0.0
     right: Mapping[Pair, frozenset[str]] = field(default_factory=dict)
+    is_single: bool = False
 
     def triangles(self) -> int:
         return sum(len(faces) for _, faces in self.parts)
