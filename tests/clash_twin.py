@@ -61,8 +61,7 @@ def clash(
     threads: int | None = None,
     progress: Callable[[float, str], object] | None = None,
 ) -> Rows:
-    """As `feeler._core.clash`, for coordinates in double precision."""
-    assert copies_within == 0.0
+    """As `feeler._core.clash`, but it knows no copies that a file rounded."""
     mockup = scene.mockup
     meshes = PartMeshes(mockup)
     left_out = {tuple(sorted(pair)) for pair in exclude.tolist()}

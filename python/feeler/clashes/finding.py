@@ -232,7 +232,8 @@ def _with_volumes(
     from feeler.clashes.volumes import shared_volumes
 
     started = time.perf_counter()
-    volumes, without, is_partial = columns.volume, [], False
+    without: list[int] = []
+    volumes, is_partial = columns.volume, False
     try:
         volumes, without = shared_volumes(mockup, columns.a, columns.b, columns.verdict, columns.is_open, progress)
     except KeyboardInterrupt:

@@ -180,7 +180,7 @@ def _near(points: Floats, reach: float) -> npt.NDArray[np.int64]:
 
 def _without_lines(faces: Faces) -> Faces:
     """The triangles of three corners. One with two equal corners is a line; its neighbours share that edge."""
-    return faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    return np.asarray(faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)])
 
 
 def _once(faces: Faces) -> Faces:
