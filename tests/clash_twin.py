@@ -57,10 +57,11 @@ def clash(
     *,
     class_of_part: npt.NDArray[np.uint32],
     exclude: npt.NDArray[np.uint32],
+    copies_within: float = 0.0,
     threads: int | None = None,
     progress: Callable[[float, str], object] | None = None,
 ) -> Rows:
-    """As `feeler._core.clash`."""
+    """As `feeler._core.clash`, but it knows no copies that a file rounded."""
     mockup = scene.mockup
     meshes = PartMeshes(mockup)
     left_out = {tuple(sorted(pair)) for pair in exclude.tolist()}

@@ -23,7 +23,7 @@ whole_numbers = importlib.import_module("clash.judge.whole_numbers")
 Answer, Facts, Group = asking.Answer, facts.Facts, asking.Group
 SEED = 7
 FEW = {"boxes": 60, "convex": 30, "fine": 1, "polycubes": 2, "polycubes_in_contact": 1, "balls": 4, "pins": 12}
-NEEDS_VOLUMES = {"solids", "copies"}
+NEEDS_VOLUMES = {"solids", "copies", "copies_in_single"}
 
 
 def random_polycube(rng: np.random.Generator) -> object:

@@ -83,3 +83,36 @@ def test_many_surfaces_in_one_part() -> None:
     block = joined(box((-1, -1, -1), (4, 4, 9)), (vertices, faces))
     (row,) = feeler.clash(mockup_of({"a": block, "b": other}), clearance=0, volume=True)
     assert row.volume == pytest.approx(2.25**3 - 0.25 * 0.75**2)  # the odd ones are hollows: those at z = 1
+
+
+def loose(mesh: Mesh, noise: float) -> Mesh:
+    """Triangles that share no corners, each of which is off by up to `noise`, metres."""
+    corners = mesh[0][mesh[1]].reshape(-1, 3)
+    off = np.random.default_rng(2).uniform(-noise, noise, corners.shape)
+    return corners + off, np.arange(len(corners)).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-9, 1e-7, 8e-7])
+@pytest.mark.parametrize("name", ["hollow", "all inside out", "second inside out", "overlapping solids"])
+def test_seams_that_do_not_quite_meet_are_merged(name: str, noise: float) -> None:
+    part, other, volume = CASES[name]
+    for far in (0.0, 5000.0):
+        placed = {"a": (loose(part, noise)[0] + far, loose(part, noise)[1]), "b": (other[0] + far, other[1])}
+        found = feeler.clash(mockup_of(placed), clearance=0, volume=True)
+        assert found[0].depth_kind == "measured" and not found.facts.notes
+        assert found[0].volume == pytest.approx(volume, rel=1e-9 + 100 * noise + 1e-15 * far)
+
+
+def test_a_note_names_parts_without_a_volume() -> None:
+    """The lid of a box is lifted by a crack, which closes for depths and not for volumes."""
+    lifted = joined((UNIT[0], UNIT[1][(UNIT[0][UNIT[1]][:, :, 2] < 1).any(axis=1)]), (UNIT[0] + [0, 0, 2e-4], UNIT[1]))
+    lid = (lifted[0][lifted[1]][:, :, 2] > 1).all(axis=1)
+    lifted = lifted[0], lifted[1][lid | (lifted[1] < len(UNIT[0])).all(axis=1)]
+    parts = {"top/lifted": lifted, "top/bar": BAR, "top/other": box((0.7, 0.5, 0.5), (0.8, 0.55, 3))}
+    found = feeler.clash(mockup_of(parts), clearance=0, volume=True)
+    assert not found.columns.is_open.any()
+    volumes = {(row.path_a, row.path_b): row.volume for row in found}
+    assert [math.isnan(volumes[pair]) for pair in sorted(volumes)] == [False, True, True]
+    (note,) = found.facts.notes
+    assert note.startswith("no shared volume is measured of lifted:")
+    assert not feeler.clash(mockup_of(parts), clearance=0).facts.notes

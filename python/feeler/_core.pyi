@@ -552,6 +552,7 @@ def clash(
     *,
     class_of_part: npt.NDArray[np.uint32] | None = None,
     contact_of_part: npt.NDArray[np.float64] | None = None,
+    copies_within: float = 0.0,
     exclude: npt.NDArray[np.uint32] | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
@@ -562,6 +563,7 @@ def clash(
       classes (negative: such pairs are skipped), and the depth or distance up to which they count as in contact.
     - `class_of_part`: `(parts,)`; default: class 0 for all.
     - `contact_of_part`: `(parts,)`, metres: added to the contact of each pair of the part.
+    - `copies_within`: metres: how far apart rounding in a file may put two copies of one surface.
     - `exclude`: `(k, 2)`: pairs of parts to skip.
     - `threads`: default: those of the scene.
 

@@ -33,6 +33,7 @@ class Group:
 
     parts: meshes in local coordinates; `(part @ turn.T + place) * unit` are world coordinates in metres. facts: metres.
     is_rounded: whether this transformation rounds. right: the right verdicts, if they do not follow from the facts.
+    is_single: whether the coordinates then go through a file in single precision.
     """
 
     kind: str
@@ -45,6 +46,7 @@ class Group:
     contact: float | None = None
     clearance: float = 0.0
     right: Mapping[Pair, frozenset[str]] = field(default_factory=dict)
+    is_single: bool = False
 
     def triangles(self) -> int:
         return sum(len(faces) for _, faces in self.parts)
@@ -78,10 +80,19 @@ class Judged:
     says: str
 
 
-def mockup_of(parts: Sequence[Mesh]) -> feeler.Mockup:
+def mockup_of(parts: Sequence[Mesh], rounding: float = 0.0) -> feeler.Mockup:
+    """A mock-up of these parts. rounding: what its source says of the coordinates, metres."""
     vertices, faces = joined(*parts)
     of_face = np.repeat(np.arange(len(parts)), [len(part[1]) for part in parts])
-    return feeler.Mockup(vertices, faces, of_face, [str(i) for i in range(len(parts))])
+    source = feeler.types.Source(rounding=rounding)
+    return feeler.Mockup(vertices, faces, of_face, [str(i) for i in range(len(parts))], source=source)
+
+
+def in_single(parts: Sequence[Mesh]) -> tuple[list[Mesh], float]:
+    """The parts rounded to single precision, and the largest rounding error, metres."""
+    rounded = [(vertices.astype(np.float32).astype(np.float64), faces) for vertices, faces in parts]
+    largest = max(np.abs(vertices).max() for vertices, _ in rounded)
+    return rounded, 0.5 * float(np.spacing(np.float32(largest)))
 
 
 def answers(mockup: feeler.Mockup, contact: float | None = None, clearance: float = 0.0) -> dict[Pair, Answer]:
@@ -107,7 +118,8 @@ def asked(groups: Iterable[Group]) -> Iterator[Judged]:
             parts += placed
             of_part += [(number, part) for part in range(len(placed))]
         found: list[dict[Pair, Answer]] = [{} for _ in batch]
-        for (a, b), answer in answers(mockup_of(parts), batch[0].contact, batch[0].clearance).items():
+        parts, of_file = in_single(parts) if batch[0].is_single else (parts, 0.0)
+        for (a, b), answer in answers(mockup_of(parts, of_file), batch[0].contact, batch[0].clearance).items():
             (group_a, part_a), (group_b, part_b) = of_part[a], of_part[b]
             if group_a != group_b:
                 yield Judged(batch[group_a].kind, False, True, False, None, f"{answer} of parts of two groups")
@@ -119,16 +131,18 @@ def asked(groups: Iterable[Group]) -> Iterator[Judged]:
             first += len(group.parts)
             for pair in group.facts:
                 size = max(sizes[each] for each in pair)
-                result = judged(group, pair, rows.get(pair, Answer()), ROUNDED_BY * float(np.spacing(size)))
+                rounding = ROUNDED_BY * max(float(np.spacing(size)), of_file)
+                result = judged(group, pair, rows.get(pair, Answer()), rounding)
                 if result is not None:
                     yield result
 
 
 def _batches(groups: Iterable[Group]) -> Iterator[list[Group]]:
     """Batches of groups with equal limits, as many as fit into one mock-up."""
-    waiting: dict[tuple[float | None, float], list[Group]] = {}
+    waiting: dict[tuple[float | None, float, bool], list[Group]] = {}
     for group in groups:
-        batch = waiting.setdefault((group.contact, group.clearance), [])
+        limits = group.contact, group.clearance, group.is_single
+        batch = waiting.setdefault(limits, [])
         triangles = group.triangles() + sum(each.triangles() for each in batch)
         if batch and (len(batch) == MOST_GROUPS or triangles > MOST_TRIANGLES):
             yield batch.copy()
@@ -136,7 +150,7 @@ def _batches(groups: Iterable[Group]) -> Iterator[list[Group]]:
         batch.append(group)
         # Rare limits: do not wait for another group with the same ones.
         if group.contact is not None and len(waiting) > MOST_GROUPS:
-            yield waiting.pop((group.contact, group.clearance))
+            yield waiting.pop(limits)
     yield from (batch for batch in waiting.values() if batch)
 
 
@@ -154,7 +168,8 @@ def judged(group: Group, pair: Pair, answer: Answer, rounding: float) -> Judged 
         top = answer.depth + error
         is_outside = answer.kind != ("estimate" if facts.is_open else "measured")
         is_outside |= not (answer.depth <= facts.high + rounding and facts.low - rounding <= top)
-        is_outside |= error > max(LEAST_ERROR_M, RELATIVE_ERROR * answer.depth) * (1 + 1e-9)
+        least = max(LEAST_ERROR_M, rounding) if group.is_single else LEAST_ERROR_M
+        is_outside |= error > max(least, RELATIVE_ERROR * answer.depth) * (1 + 1e-9)
         if not facts.is_open and facts.low > LEAST_ERROR_M / RELATIVE_ERROR:
             relative = max(0.0, facts.low - rounding - answer.depth, answer.depth - facts.high - rounding) / facts.low
     says = "" if not (is_wrong or is_outside) else _report(group, pair, answer, right)

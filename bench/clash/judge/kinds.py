@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from importlib import import_module
 from itertools import combinations, islice
 from typing import Any
@@ -356,6 +357,13 @@ def copies(rng: Random) -> Groups:
         yield Group("copies, cut otherwise", (_worn(rng, a), _worn(rng, b)), {(0, 1): facts}, *_dress(rng))
 
 
+def copies_in_single(rng: Random) -> Groups:
+    """The same surface twice, with other triangles, through files in single precision."""
+    for group in copies(rng):
+        if group.facts[0, 1].is_same:
+            yield replace(group, kind="copies, cut otherwise, in float32", place=np.zeros(3), is_single=True)
+
+
 SHEET_CONTACTS = (None, None, 1.5e-6, 1.5e-4, 1.2e-3)
 """Values of `contact` for open sheets, metres: between the small offsets."""
 
@@ -539,6 +547,7 @@ KINDS: dict[str, tuple[Maker, int]] = {
     "solids": (solids, 1200),
     "pins": (pins, 1200),
     "copies": (copies, 600),
+    "copies_in_single": (copies_in_single, 400),
     "sheets": (sheets, 1000),
     "crossing_sheets": (crossing_sheets, 1000),
     "walls": (walls, 400),

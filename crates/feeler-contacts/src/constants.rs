@@ -474,3 +474,10 @@ pub const WIDEST_SEAM: f64 = 4e-6;
 
 /// The multiple of the gaps in its seams by which what a body contains may stick out of it; the depth has to be this many times more.
 pub const SEAM_EXCESS: f64 = 4.0;
+
+/// How far below a surface, in the distance within which copies count as one, a point is looked for that is in both. Larger: copies of
+/// thinner walls are not found.
+pub const COPY_STEP: f64 = 1.25;
+
+/// How far that point has to be from the surface, likewise: above 1, so that it is on the same side of the other surface.
+pub const COPY_DEPTH: f64 = 1.125;

@@ -194,6 +194,8 @@ fn tables_that_make_no_sense_are_refused() {
         ("contact is -0.1", tables().with_contact(vec![0.0, 0.0, 0.0, -0.1])),
         ("clearance is NaN", tables().with_clearance(vec![0.0, 0.0, 0.0, f64::NAN])),
         ("contact_of_part is inf", tables().with_contact_of_part(vec![f64::INFINITY; 3])),
+        ("copies_within is NaN", tables().with_copies_within(f64::NAN)),
+        ("copies_within is -0.1", tables().with_copies_within(-0.1)),
         ("clearance[1, 0] is 0.2", tables().with_clearance(vec![0.1, 0.1, 0.2, 0.1])),
         ("there is no part 3", tables().with_excluded(vec![[0, 3]])),
     ];

@@ -186,6 +186,7 @@ fn table(what: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<f64>> {
 ///   classes (negative: such pairs are skipped), and the depth or distance up to which they count as in contact.
 /// - `class_of_part`: `(parts,)`; default: class 0 for all.
 /// - `contact_of_part`: `(parts,)`, metres: added to the contact of each pair of the part.
+/// - `copies_within`: metres: how far apart rounding in a file may put two copies of one surface.
 /// - `exclude`: `(k, 2)`: pairs of parts to skip.
 /// - `threads`: default: those of the scene.
 ///
@@ -193,8 +194,8 @@ fn table(what: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<f64>> {
 /// `is_partial` is true. Depths not measured by then are NaN. Raises `OptionError` for tables of the wrong shape and
 /// invalid lengths, `MeshError` for arrays of the wrong length.
 #[pyfunction]
-#[pyo3(signature = (scene, clearance, contact, *, class_of_part = None, contact_of_part = None, exclude = None, threads = None,
-                    progress = None))]
+#[pyo3(signature = (scene, clearance, contact, *, class_of_part = None, contact_of_part = None, copies_within = 0.0,
+                    exclude = None, threads = None, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "the Python signature")]
 pub fn clash(
     py: Python<'_>,
@@ -203,6 +204,7 @@ pub fn clash(
     contact: PyReadonlyArray2<'_, f64>,
     class_of_part: Option<PyReadonlyArray1<'_, u32>>,
     contact_of_part: Option<PyReadonlyArray1<'_, f64>>,
+    copies_within: f64,
     exclude: Option<PyReadonlyArray2<'_, u32>>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
@@ -212,6 +214,7 @@ pub fn clash(
         .with_clearance(table("clearance", &clearance)?)
         .with_contact(table("contact", &contact)?)
         .with_contact_of_part(contact_of_part.map_or_else(Vec::new, |contacts| list(&contacts)))
+        .with_copies_within(copies_within)
         .with_excluded(exclude.map_or_else(|| Ok(Vec::new()), |pairs| rows_of::<u32, 2>(&pairs))?);
     let solver = Arc::clone(scene.solver());
     let limits = core::PairLimits::new(tables, solver.scene().mockup().part_bounds().len()).map_err(to_py)?;

@@ -6,12 +6,11 @@ import numpy as np
 
 from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
+from feeler.clashes.words import named
 from feeler.words import length
 
 _COARSE_M = 1e-5
 """From this least contact on a note says that the file is rounded: less is below what mechanical parts are made to."""
-_NAMED = 3
-"""How many parts a note lists by name."""
 
 
 def advice(clashes: Clashes) -> list[str]:
@@ -32,7 +31,7 @@ def advice(clashes: Clashes) -> list[str]:
         are, them = ("is", "it") if count == 1 else ("s are", "them")
         found.append(
             f"{count:,} part{' ' * (count == 1)}{are} not closed, so parts inside {them} are not found: "
-            f"{_named(facts.open_parts)}. Export {them} as solid, or close the surfaces"
+            f"{named(facts.open_parts)}. Export {them} as solid, or close the surfaces"
         )
     if crossing := _open_crossing(clashes):
         found.append(crossing)
@@ -54,7 +53,7 @@ def _open_crossing(clashes: Clashes) -> str:
     paths = tuple(clashes.part_paths[part] for part in parts.tolist())
     what = "1 clash" if len(rows) == 1 else f"{len(rows):,} clashes"
     return (
-        f"parts that are not closed are in {what}: {_named(paths)}. They have no inside, so the depth is an estimate, "
+        f"parts that are not closed are in {what}: {named(paths)}. They have no inside, so the depth is an estimate, "
         "and no shared volume is measured. Export them as solid, or close the surfaces"
     )
 
@@ -70,9 +69,3 @@ def _nothing(clashes: Clashes) -> str:
         f"no pair of parts collides, or is nearer than {length(facts.clearance)}. Pass a larger clearance to find "
         "the nearest pairs"
     )
-
-
-def _named(paths: tuple[str, ...]) -> str:
-    names = [path.rpartition("/")[2] or path for path in paths[:_NAMED]]
-    more = len(paths) - _NAMED
-    return ", ".join(names) + (f" and {more:,} more" if more > 0 else "")

@@ -21,6 +21,7 @@ from feeler.clashes.rules import RulesLike, is_chord, rules_from
 from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
+from feeler.clashes.words import named
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
@@ -105,6 +106,7 @@ def clash(
         found.clearance,
         found.contact,
         class_of_part=found.class_of_part,
+        copies_within=_least_contact(mockup),
         exclude=found.exclude,
         threads=threads,
         progress=_staged(progress, _INDEXED, _FOUND if volume else 1.0),
@@ -112,8 +114,9 @@ def clash(
     seconds = {"index": indexed - started, **answer.seconds}
     columns, hidden = _columns(answer, found)
     is_partial = bool(answer.is_partial)
+    notes: list[str] = []
     if volume and not is_partial:
-        columns, seconds["volumes"], is_partial = _with_volumes(mockup, columns, _share(progress, _FOUND, 1.0))
+        columns, seconds["volumes"], is_partial, notes = _with_volumes(mockup, columns, _share(progress, _FOUND, 1.0))
     present = scene.part_mask
     rims = [] if is_partial else open_holders(mockup, answer.a, answer.b, answer.is_open, present)
     facts = Facts(
@@ -129,6 +132,7 @@ def clash(
         rules=found.asked,
         least_contact=_least_contact(mockup),
         open_parts=tuple(mockup.part_paths[part] for part in rims),
+        notes=tuple(notes),
     )
     clashes = Clashes(
         columns,
@@ -192,7 +196,8 @@ def _limits(
 
 
 def _least_contact(mockup: Mockup) -> float:
-    """The least `contact`, metres: as much as flush faces may overlap by the rounding of the file's coordinates."""
+    """The least `contact`, metres: how far apart the rounding of the file's coordinates may put faces that are
+    flush, or copies of one surface."""
     return CONTACT_ROUNDINGS * mockup.source.rounding
 
 
@@ -220,17 +225,24 @@ def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int]
     return columns.rows(columns.order()), hidden
 
 
-def _with_volumes(mockup: Mockup, columns: Columns, progress: Progress | None) -> tuple[Columns, float, bool]:
-    """The columns with volumes, the seconds taken, and whether Ctrl-C stopped it, so that some are missing."""
+def _with_volumes(
+    mockup: Mockup, columns: Columns, progress: Progress | None
+) -> tuple[Columns, float, bool, list[str]]:
+    """The columns with volumes, the seconds taken, whether Ctrl-C stopped it, so that some are missing, and notes."""
     from feeler.clashes.volumes import shared_volumes
 
     started = time.perf_counter()
+    without: list[int] = []
     volumes, is_partial = columns.volume, False
     try:
-        volumes = shared_volumes(mockup, columns.a, columns.b, columns.verdict, columns.is_open, progress)
+        volumes, without = shared_volumes(mockup, columns.a, columns.b, columns.verdict, columns.is_open, progress)
     except KeyboardInterrupt:
         is_partial = True
-    return replace(columns, volume=volumes), time.perf_counter() - started, is_partial
+    notes = [
+        f"no shared volume is measured of {named([mockup.part_paths[part] for part in without])}: the triangles do not "
+        "meet at the seams, or cross each other. Export again as solid, or repair the mesh"
+    ]
+    return replace(columns, volume=volumes), time.perf_counter() - started, is_partial, notes if without else []
 
 
 def _staged(progress: Progress | None, begin: float, end: float) -> Progress | None:

@@ -15,6 +15,9 @@ Faces = npt.NDArray[np.uint64]
 _HASH = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 """Odd numbers that spread three indices over 64 bits."""
 
+_WELD_SHARE = 2.0**-19
+"""`WELD_SHARE` of the core: by this share of a part's length the corners at an open seam may be off."""
+
 _MOST_SHARE = 1.0 + 1e-9
 """How much larger than the room it has a volume may be, by rounding."""
 
@@ -22,13 +25,19 @@ _MOST_SHARE = 1.0 + 1e-9
 def solid_of(library: Any, corners: Floats, middle: Floats) -> Any:
     """The solid of triangles `(k, 3, 3)`, relative to `middle`; None if manifold3d rejects it, or it has no volume.
 
-    Triangles count once, each surface is turned as depths take it, and what lies in two surfaces counts once.
+    Triangles count once, each surface is turned as depths take it, and what lies in two surfaces counts once. Corners
+    at open seams that nearly coincide are merged.
     """
     vertices, index = _core.weld_vertices(np.ascontiguousarray(corners.reshape(-1, 3)))
-    faces = index.reshape(-1, 3).astype(np.uint64)
-    # A triangle with two equal corners is a line. Its neighbours share that edge, so it can go.
-    faces = _once(faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)])
-    wholes = [library.Manifold(library.Mesh64(*each)) for each in _pieces(vertices - middle, faces)]
+    faces = _once(_without_lines(index.reshape(-1, 3).astype(np.uint64)))
+    solid = _solid(library, vertices - middle, faces)
+    merged = _with_seams_merged(vertices, faces) if solid is None else None
+    return solid if merged is None else _solid(library, vertices - middle, _once(_without_lines(merged)))
+
+
+def _solid(library: Any, vertices: Floats, faces: Faces) -> Any:
+    """The solid of a mesh whose triangles share vertices; None as for `solid_of`."""
+    wholes = [library.Manifold(library.Mesh64(*each)) for each in _pieces(vertices, faces)]
     if any(each.status() != library.Error.NoError for each in wholes):
         return None
     # Surfaces that share vertices are one piece. Taking many surfaces apart at once would take its time in square.
@@ -109,17 +118,7 @@ def _flipped(library: Any, given: Any) -> Any:
 
 def _pieces(vertices: Floats, faces: Faces) -> list[tuple[Floats, Faces]]:
     """The vertices and triangles of each piece that shares no vertex with others."""
-    label = np.arange(len(vertices))
-    while True:
-        # The pieces of a triangle's corners become one, that of the least number: in few rounds.
-        now = label[faces]
-        least = now.min(axis=1, initial=len(vertices))
-        if (now == least[:, None]).all():
-            break
-        np.minimum.at(label, now.ravel(), np.repeat(least, 3))
-        while not np.array_equal(label, label[label]):
-            label = label[label]
-    piece = label[faces[:, 0]]
+    piece = _connected(len(vertices), faces)[faces[:, 0]]
     if not len(faces) or (piece == piece[0]).all():
         return [(vertices, faces)] if len(faces) else []
     order = np.argsort(piece, kind="stable")
@@ -129,6 +128,59 @@ def _pieces(vertices: Floats, faces: Faces) -> list[tuple[Floats, Faces]]:
         used, index = np.unique(faces[own], return_inverse=True)
         found.append((vertices[used], index.reshape(-1, 3).astype(np.uint64)))
     return found
+
+
+def _connected(count: int, links: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """For each of some numbers the least one that it is connected to. links: `(n, k)`, each row of connected ones."""
+    label = np.arange(count)
+    while True:
+        # All that a row connects get its least number: in few rounds.
+        now = label[links]
+        least = now.min(axis=1, initial=count)
+        if (now == least[:, None]).all():
+            return label
+        np.minimum.at(label, now.ravel(), np.repeat(least, links.shape[1]))
+        while not np.array_equal(label, label[label]):
+            label = label[label]
+
+
+def _with_seams_merged(vertices: Floats, faces: Faces) -> Faces | None:
+    """The triangles with the vertices at open seams merged as the core does; None if that changes nothing.
+
+    A seam is open if unequal numbers of triangles run along it in both directions.
+    """
+    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
+    edges = np.minimum(start, end) * len(vertices) + np.maximum(start, end)
+    _, edge = np.unique(edges, return_inverse=True)
+    is_open = np.bincount(edge, weights=np.where(start < end, 1.0, -1.0)) != 0.0
+    ends = np.unique(np.concatenate([start[is_open[edge]], end[is_open[edge]]]))
+    if not len(ends):
+        return None
+    size = np.ptp(vertices, axis=0).max()
+    near = _near(vertices[ends] - vertices[ends[0]], _WELD_SHARE * float(size))
+    if np.array_equal(near, np.arange(len(ends))):
+        return None
+    label = np.arange(len(vertices), dtype=np.uint64)
+    label[ends] = ends[near]
+    return np.asarray(label[faces])
+
+
+def _near(points: Floats, reach: float) -> npt.NDArray[np.int64]:
+    """For each point the first of its cluster. Points closer than `reach` along each axis share a cluster."""
+    # Two such points share a cell of this grid, or of one that is shifted by half a cell along some axes.
+    count, cell = np.arange(len(points)), points / (2.0 * reach)
+    links = []
+    for shift in np.ndindex(2, 2, 2):
+        cells, of_point = _core.weld_vertices(np.floor(cell + 0.5 * np.array(shift)))
+        first = np.full(len(cells), len(points))
+        np.minimum.at(first, of_point, count)
+        links.append(np.stack([count, first[of_point]], axis=1))
+    return _connected(len(points), np.concatenate(links))
+
+
+def _without_lines(faces: Faces) -> Faces:
+    """The triangles of three corners. One with two equal corners is a line; its neighbours share that edge."""
+    return np.asarray(faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)])
 
 
 def _once(faces: Faces) -> Faces:

@@ -50,7 +50,7 @@ class Clash:
     parts that only touch or are apart; NaN if Ctrl-C came first."""
     depth_error: float
     """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
-    two million pieces, which takes seconds. NaN if both parts are open."""
+    two million pieces, which takes seconds. NaN if both parts are open. Of duplicates, how far apart they can be."""
     depth_kind: DepthKind
     """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point

@@ -19,7 +19,7 @@ class Verdict(CodedEnum):
     CONTAINED = "contained"
     """They do not cross; one is closed and contains the other, which is closed or deeper than `contact`."""
     DUPLICATE = "duplicate"
-    """They have the same surface, however it is cut into triangles."""
+    """They have the same surface but for rounding, however it is cut into triangles."""
 
 
 DEPTH_KINDS = choices.DEPTH_KINDS

@@ -36,8 +36,8 @@ def shared_volumes(
     verdict: npt.NDArray[np.uint8],
     is_open: npt.NDArray[np.bool_],
     progress: Progress | None = None,
-) -> npt.NDArray[np.float64]:
-    """The shared volume of each pair, `(n,)`, cubic metres.
+) -> tuple[npt.NDArray[np.float64], list[int]]:
+    """The shared volume of each pair, `(n,)`, cubic metres; and the closed parts that have none.
 
     0 for contacts and clearances. NaN if a part is open, or if manifold3d rejects it: its surface intersects itself, or
     an edge has more than two triangles. Never negative, and never more than the smaller part.
@@ -45,14 +45,17 @@ def shared_volumes(
     solids = _Solids(mockup, solids_library())
     are_closed = ~is_open.any(axis=1)
     found = np.where(are_closed, 0.0, math.nan)
+    without: set[int] = set()
     wanted = np.flatnonzero(np.isin(verdict, [each.code for each in OVERLAPS]) & are_closed)
     # Sorted by part, so that a solid is built once for all its pairs.
     for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
-        one, other = solids.of(int(a[row])), solids.of(int(b[row]))
+        pair = int(a[row]), int(b[row])
+        one, other = (solids.of(part) for part in pair)
+        without.update(part for part, solid in zip(pair, (one, other), strict=True) if solid is None)
         found[row] = math.nan if one is None or other is None else shared_volume(one, other)
         if progress is not None and number % 64 == 0:
             progress(number / len(wanted), f"volume {number:,} of {len(wanted):,}")
-    return found
+    return found, sorted(without)
 
 
 class _Solids:

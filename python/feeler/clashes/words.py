@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
@@ -11,6 +12,16 @@ from feeler.words import length, plural
 
 _ERROR_SHARE, _LEAST_ERROR_M = 1.001e-3, 1e-9
 """The largest error of a measured depth, as a share and in metres, plus rounding: see `Clash.depth_error`."""
+
+_NAMED = 3
+"""How many parts a note lists by name."""
+
+
+def named(paths: Sequence[str]) -> str:
+    """The names of some parts, of which there may be many, from their paths."""
+    names = [path.rpartition("/")[2] or path for path in paths[:_NAMED]]
+    more = len(paths) - _NAMED
+    return ", ".join(names) + (f" and {more:,} more" if more > 0 else "")
 
 
 def sentence(clash: Clash) -> str:

@@ -216,8 +216,16 @@ impl<'a> ClashSearch<'a> {
         if self.limits.largest_reach() > 0.0 {
             let known: Vec<[u32; 2]> = self.related.keys().copied().collect();
             let found = near_parts(&self.index, &self.limits, &known, progress);
-            self.gaps = found.all;
             self.is_complete &= found.is_complete;
+            // Copies of an open surface, between which rounding left a gap.
+            let judge = Judge { solids: &self.solids, limits: &self.limits, bodies: &self.bodies };
+            let is_copy = |gap: &PartGap| {
+                gap.distance <= self.limits.copies_within(gap.parts[0], gap.parts[1]) && judge.is_same(gap.parts)
+            };
+            let (copies, gaps): (Vec<PartGap>, Vec<PartGap>) = found.all.into_par_iter().partition(is_copy);
+            self.gaps = gaps;
+            let same = |parts| Related { parts, relation: Relation::Held, verdict: Some(Verdict::Duplicate) };
+            self.related.extend(copies.iter().map(|copy| (copy.parts, same(copy.parts))));
         }
         self.is_complete
     }
@@ -302,7 +310,9 @@ impl<'a> ClashSearch<'a> {
         let pair = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other], bodies };
         let by_points = if verdict == Some(Verdict::Duplicate) {
             // Neither surface is farther from the other than that.
-            PointDepth { depth: 0.0, error: self.limits.rounding(parts[0], parts[1]), points: None }
+            let is_cut_alike = relation == Relation::Duplicate;
+            let apart = if is_cut_alike { PairLimits::rounding } else { PairLimits::copies_within };
+            PointDepth { depth: 0.0, error: apart(&self.limits, parts[0], parts[1]), points: None }
         } else if a.is_closed() || b.is_closed() {
             point_depth([&a, &b])
         } else {

@@ -8,6 +8,7 @@ use feeler_core::clash::solids::Solids;
 use feeler_core::clash::touch::Touching;
 use feeler_core::{Aabb, PairLimits};
 
+use super::copies::are_copies;
 use super::held_solids::{is_holding_a_solid, is_in, may_share_solids};
 use super::obvious::is_through;
 use super::row::Verdict;
@@ -119,15 +120,16 @@ impl Judge<'_> {
         }
     }
 
-    /// Whether both surfaces are the same but for rounding.
-    fn is_same(&self, parts: [u32; 2]) -> bool {
-        let rounding = self.limits.rounding(parts[0], parts[1]);
+    /// Whether both surfaces are the same but for rounding, here or in a file.
+    pub fn is_same(&self, parts: [u32; 2]) -> bool {
+        let (rounding, within) =
+            (self.limits.rounding(parts[0], parts[1]), self.limits.copies_within(parts[0], parts[1]));
         let [p, q] = self.boxes_of(parts);
-        let is_near = |p: &f64, q: &f64| (p - q).abs() <= rounding;
+        let is_near = |p: &f64, q: &f64| (p - q).abs() <= within;
         let is_candidate = p.lower.iter().zip(&q.lower).chain(p.upper.iter().zip(&q.upper)).all(|(p, q)| is_near(p, q));
         is_candidate && {
             let [a, b] = self.bodies_of(parts);
-            is_same_surface([&a, &b], rounding)
+            within > rounding && are_copies([&a, &b], within) || is_same_surface([&a, &b], rounding)
         }
     }
 

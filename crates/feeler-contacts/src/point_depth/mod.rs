@@ -10,7 +10,7 @@ pub mod bodies;
 pub mod body;
 mod border;
 #[cfg(test)]
-mod brute;
+pub mod brute;
 mod corners;
 pub mod crossing;
 pub mod depth;

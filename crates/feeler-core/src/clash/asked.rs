@@ -21,6 +21,8 @@ pub struct PairLimits {
     contact_of_part: Vec<f64>,
     /// `(parts,)`, metres, by which coordinates may be rounded; empty: nothing.
     rounding_of_part: Vec<f64>,
+    /// Metres.
+    copies_within: f64,
     /// Pairs never asked, the lesser part first; sorted.
     excluded: Vec<[u32; 2]>,
 }
@@ -38,6 +40,8 @@ pub struct PairLimitTables {
     pub contact: Vec<f64>,
     /// `(parts,)`: added to the contact of each part's pairs, metres; empty: nothing.
     pub contact_of_part: Vec<f64>,
+    /// How far apart (metres) rounding in a file may put two copies of one surface; 0: only the last places of coordinates differ.
+    pub copies_within: f64,
     /// Pairs of parts that are never asked, in any order.
     pub excluded: Vec<[u32; 2]>,
 }
@@ -53,6 +57,7 @@ impl PairLimitTables {
         with_clearance: clearance: Vec<f64>,
         with_contact: contact: Vec<f64>,
         with_contact_of_part: contact_of_part: Vec<f64>,
+        with_copies_within: copies_within: f64,
         with_excluded: excluded: Vec<[u32; 2]>,
     }
 }
@@ -70,7 +75,7 @@ impl PairLimits {
     /// Errors: arrays of other lengths, classes that are not in the tables, invalid lengths, negative contacts, tables
     /// that are not symmetric, and parts that the mock-up does not have.
     pub fn new(tables: PairLimitTables, parts: usize) -> Result<PairLimits> {
-        let PairLimitTables { class_of_part, clearance, contact, contact_of_part, excluded } = tables;
+        let PairLimitTables { class_of_part, clearance, contact, contact_of_part, copies_within, excluded } = tables;
         let classes = class_of_part.iter().map(|class| *class as usize + 1).max().unwrap_or(1);
         let classes = classes.max((clearance.len() as f64).sqrt() as usize);
         let expected =
@@ -86,6 +91,7 @@ impl PairLimits {
             ("clearance", &clearance, f64::NEG_INFINITY),
             ("contact", &contact, 0.0),
             ("contact_of_part", &contact_of_part, 0.0),
+            ("copies_within", &vec![copies_within], 0.0),
         ] {
             if let Some(value) = table.iter().copied().find(|x| !x.is_finite() || *x < least) {
                 return Err(Error::Distance { what, value });
@@ -108,7 +114,16 @@ impl PairLimits {
         excluded.sort_unstable();
         excluded.dedup();
         let rounding_of_part = Vec::new();
-        Ok(PairLimits { class_of_part, classes, clearance, contact, contact_of_part, rounding_of_part, excluded })
+        Ok(PairLimits {
+            class_of_part,
+            classes,
+            clearance,
+            contact,
+            contact_of_part,
+            rounding_of_part,
+            copies_within,
+            excluded,
+        })
     }
 
     /// The same, with contacts at least as large as the rounding of the parts' coordinates.
@@ -120,6 +135,11 @@ impl PairLimits {
     pub fn rounding(&self, a: u32, b: u32) -> f64 {
         let of_part = |part: u32| self.rounding_of_part.get(part as usize).copied().unwrap_or(0.0);
         of_part(a).max(of_part(b))
+    }
+
+    /// How far apart (metres) rounding may put two parts that are copies: here, and in the file.
+    pub fn copies_within(&self, a: u32, b: u32) -> f64 {
+        self.copies_within.max(self.rounding(a, b))
     }
 
     fn class(&self, part: u32) -> usize {
