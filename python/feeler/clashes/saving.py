@@ -24,7 +24,7 @@ import numpy as np
 
 from feeler.arguments import check_path
 from feeler.atomic import atomic_file
-from feeler.clashes.shapes import PartShapes, Shapes, unknown
+from feeler.clashes.shapes import ARRAYS, PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
 from feeler.clashes.tracking import (
     STATUSES,
@@ -108,14 +108,12 @@ def shape_rows(clashes: Table) -> list[dict[str, Any]]:
             "box": box,
             "middle": middle,
             "area": area,
+            **({"triangles": triangles, "chord": chord, "area_error": error} if math.isfinite(chord) else {}),
         }
-        for key, path, content, box, middle, area in zip(
+        for key, path, content, box, middle, area, triangles, chord, error in zip(
             shapes.keys,
             shapes.paths,
-            shapes.content.tolist(),
-            shapes.box.tolist(),
-            shapes.middle.tolist(),
-            shapes.area.tolist(),
+            *(getattr(shapes, name).tolist() for name in ARRAYS),
             strict=True,
         )
     ]
@@ -245,7 +243,8 @@ class _Reader(Generic[AnyTable]):
                 what = f"it has no {error}" if isinstance(error, KeyError) else str(error)
                 raise LoadError(f"{self.file}: {name}[{number}] is not a shape of a part: {what}") from None
             found[key] = shape
-        paths, content, box, middle, area = zip(*found.values(), strict=True) if found else ((), (), (), (), ())
+        paths, content, box, middle, *figures = zip(*found.values(), strict=True) if found else ((),) * 8
+        area, triangles, chord, error = figures
         return Shapes(
             tuple(found),
             paths,
@@ -253,6 +252,9 @@ class _Reader(Generic[AnyTable]):
             np.array(box, dtype=np.float64).reshape(-1, 2, 3),
             np.array(middle, dtype=np.float64).reshape(-1, 3),
             np.array(area, dtype=np.float64),
+            np.array(triangles, dtype=np.int64),
+            np.array(chord, dtype=np.float64),
+            np.array(error, dtype=np.float64),
         )
 
     def _add(
@@ -318,8 +320,9 @@ class _Reader(Generic[AnyTable]):
             values[column].append(value)
 
 
-_Shape = tuple[str, int, list[list[float]], list[float], float]
-"""Path, content, box, middle and area of a part."""
+_ERRORS = ("chord", "area_error")
+_Shape = tuple[str, int, list[list[float]], list[float], float, int, float, float]
+"""Path, content, box, middle, area, number of triangles, and errors by chords of a part."""
 
 
 def _shape(line: Any) -> tuple[str, _Shape]:
@@ -334,7 +337,10 @@ def _shape(line: Any) -> tuple[str, _Shape]:
         raise ValueError("box, middle and area are not all numbers")
     if len(content) != _HASH_DIGITS:
         raise ValueError(f"content is {content!r}")
-    return key, (path, int(content, 16), box, middle, area)
+    triangles, chord, error = int(line.get("triangles", 0)), *(_real(line.get(each), each) for each in _ERRORS)
+    if triangles < 0 or triangles >= _TRIANGLE_PAIRS or chord < 0.0 or error < 0.0:
+        raise ValueError("triangles, chord and area_error are not all at least 0")
+    return key, (path, int(content, 16), box, middle, area, triangles, chord, error)
 
 
 def _hidden(counts: Any) -> tuple[tuple[str, int], ...]:
