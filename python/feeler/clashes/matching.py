@@ -4,7 +4,7 @@
 
 Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
 place only, since their order is arbitrary. If most parts moved, places are compared after the motion of the whole:
-the one under which most parts are in their places.
+the one under which most parts of a shape of their own, then most shapes, are in their places.
 """
 
 from __future__ import annotations

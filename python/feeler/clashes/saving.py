@@ -9,7 +9,8 @@ line. Lines are sorted by rule and parts, so a git diff shows only changes. `fee
 the order of the table; `feeler view` reads both. Shapes are stored for parts with findings and for parts with equal
 paths; files without shapes can be read. Older files have no `depth_error`, and their depths are lengths of a
 translation: `load_clashes` reads them as estimates and keeps approvals. Files without `approved_error` and
-`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file.
+`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file. Shapes without
+`triangles`, `chord` and `area_error` match within wider tolerances.
 """
 
 from __future__ import annotations

@@ -131,7 +131,8 @@ def shapes_of(mockup: Mockup, *, with_chords: bool = True) -> Shapes:
     triangles = np.bincount(part_of_face, minlength=count).astype(np.int64)
     keys = tuple(part_keys(mockup.part_paths))
     rounded = (middle.round(_DIGITS), area.round(2 * _DIGITS))
-    figures = (*rounded, triangles, errors[0].round(_DIGITS), errors[1].round(2 * _DIGITS))
+    area_error = np.array([float(f"{each:.6g}") for each in errors[1].tolist()])
+    figures = (*rounded, triangles, errors[0].round(_DIGITS), area_error)
     return Shapes(keys, tuple(mockup.part_paths), content, box, *figures)
 
 
