@@ -68,11 +68,16 @@ def _of_triangles(
     sagitta = np.where(is_smooth, 0.5 * width * np.tan(0.25 * angle), 0.0)
     first, second = one // 3, other // 3
     count = len(faces)
-    error = np.bincount(first, sagitta, count) + np.bincount(second, sagitta, count)
+    error = _sums(np.concatenate([first, second]), np.concatenate([sagitta, sagitta]), count)
     both = 0.5 * (error[first] + error[second])
     most = np.maximum(error[first], error[second])
     off = length * np.where(is_smooth, _SMOOTH_SHARE * angle * both, _SHARP_SHARE * most)
-    return error, np.bincount(first, off, count)
+    return error, _sums(first, off, count)
+
+
+def _sums(places: npt.NDArray[np.intp], values: Floats, count: int) -> Floats:
+    """The sum of the values at each place, `(count,)`."""
+    return np.asarray(np.bincount(places, values, count), dtype=np.float64)
 
 
 def _neighbours(hashes: Hashes, part: npt.NDArray[Any]) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
@@ -87,9 +92,7 @@ def _neighbours(hashes: Hashes, part: npt.NDArray[Any]) -> tuple[npt.NDArray[np.
     return order[pairs], order[pairs + 1]
 
 
-def _edges(
-    vertices: Floats, faces: npt.NDArray[Any], one: npt.NDArray[np.intp], other: npt.NDArray[np.intp]
-) -> Floats:
+def _edges(vertices: Floats, faces: npt.NDArray[Any], one: npt.NDArray[np.intp], other: npt.NDArray[np.intp]) -> Floats:
     """`(3, n)`: length of each edge, the angle by which the surface turns there, and the width of the narrower facet.
 
     Whichever way the triangles are oriented. For triangles without area, the length is 0 and the angle pi.

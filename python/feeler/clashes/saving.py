@@ -245,7 +245,7 @@ class _Reader(Generic[AnyTable]):
                 raise LoadError(f"{self.file}: {name}[{number}] is not a shape of a part: {what}") from None
             found[key] = shape
         paths, content, box, middle, *figures = zip(*found.values(), strict=True) if found else ((),) * 8
-        area, triangles, chord, error = figures
+        area, triangles, chord, area_error = figures
         return Shapes(
             tuple(found),
             paths,
@@ -255,7 +255,7 @@ class _Reader(Generic[AnyTable]):
             np.array(area, dtype=np.float64),
             np.array(triangles, dtype=np.int64),
             np.array(chord, dtype=np.float64),
-            np.array(error, dtype=np.float64),
+            np.array(area_error, dtype=np.float64),
         )
 
     def _add(
