@@ -237,10 +237,26 @@ def test_the_motion_of_unique_parts_is_that_of_the_whole() -> None:
     cubes = [(f"old/{i}", shifted(CUBE, (2 * i, 0, 0))) for i in range(6)]
     slab = box((0, 5, 0), (7, 6, 0.5))
     before = shapes_of(named([("old/slab", slab), *cubes]))
-    moved = [(f"new/{i}", shifted(CUBE, (2 * i + 1, 0, 0))) for i in range(6)]
+    moved = [(f"new/c{i}", shifted(CUBE, (2 * i + 1, 0, 0))) for i in range(6)]
     now = shapes_of(named([("new/slab", slab), *moved]))
     assert matched(before, now)[0].tolist() == [0, *[-1] * 6]
     whole = shapes_of(named([("new/slab", shifted(slab, (1, 0, 0))), *moved]))
     assert matched(before, whole)[0].tolist() == [*range(7)]
     unknown = replace(now, area=np.full(len(now), np.nan))
     assert (matched(before, unknown)[0] == -1).all()
+
+
+def test_parts_that_changed_below_a_renamed_root_go_by_the_rest_of_their_paths() -> None:
+    """The others say how the root is called now; where a part has another name of its own, nothing does."""
+    pin = shifted(CUBE, (3, 0, 0))
+
+    def mockup(root: str, name: str, mesh: Mesh) -> feeler.Mockup:
+        return mockup_of({f"{root}/block": BLOCK, f"{root}/sub/pin": CUBE, f"{root}/sub/{name}": mesh})
+
+    before = checked(mockup("revA", "key", pin))
+    for each in before.ids:
+        before.set_status(each, "approved")
+    for root, name, by, kept in (("revB", "key", 0.1, 2), ("revB/x", "key", 0.1, 2), ("revB", "cam", 0.1, 1)):
+        now = checked(mockup(root, name, shifted(pin, (by, 0, 0))))
+        assert now.diff(before).counts()["approved"] == kept
+        assert sorted(now.changed) == sorted(["renamed"] * kept + [""] * (2 - kept))

@@ -1,6 +1,6 @@
 """Matches the parts of the previous check to the parts of this check.
 
-    same path, shape and place -> same content -> same shape and place -> same path alone
+    same path, shape and place -> same content -> same shape and place -> same path alone, also below a renamed folder
 
 Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
 place only, since their order is arbitrary. If most parts moved, places are compared after the motion of the whole:
@@ -211,6 +211,7 @@ class _Search:
         olds, news = self.mates
         free = (new_of_old[olds] < 0) & ~is_taken[news]
         new_of_old[olds[free]] = news[free]
+        self._add_in_renamed_folders(new_of_old)
         self._add_siblings(new_of_old)
         self._add_unknown(new_of_old)
         return new_of_old
@@ -297,6 +298,24 @@ class _Search:
             pairs += itertools.islice(itertools.product(olds, news), _MOST_ALIKE)
         return _columns(pairs)
 
+    def _add_in_renamed_folders(self, new_of_old: Rows) -> None:
+        """Adds pairs by path below a root or sub-assembly that has another name: other parts of it say which."""
+        folders = _renamed_folders(self.old.paths, self.new.paths, new_of_old)
+        if not folders:
+            return
+        olds, news = self._left(new_of_old)
+        counts = Counter(self.old.paths), Counter(self.new.paths)
+        row_of_path = {self.new.paths[new]: new for new in news.tolist() if counts[1][self.new.paths[new]] == 1}
+        for old in olds.tolist():
+            path = self.old.paths[old]
+            steps = path.split("/")
+            folder = next((f for k in range(len(steps) - 1, -1, -1) if (f := tuple(steps[:k])) in folders), None)
+            if folder is None or counts[0][path] > 1:
+                continue
+            new = row_of_path.pop("/".join([*folders[folder], *steps[len(folder) :]]), None)
+            if new is not None:
+                new_of_old[old] = new
+
     def _add_siblings(self, new_of_old: Rows) -> None:
         """Adds pairs among parts with equal paths: all moved as a part with a path of its own, or each a little."""
         motions = self._motions()
@@ -347,6 +366,24 @@ class _Search:
 def _chords(old: Shapes, new: Shapes) -> tuple[Floats, Floats]:
     """How far facets may be from their surfaces, metres; NaN for parts of older files."""
     return _CHORD_SHARE * old.chord, np.nan_to_num(_CHORD_SHARE * new.chord)
+
+
+def _renamed_folders(
+    olds: Sequence[str], news: Sequence[str], new_of_old: Rows
+) -> dict[tuple[str, ...], tuple[str, ...]]:
+    """The steps of each folder that has another name now, by those before; the most frequent if parts disagree."""
+    votes: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = Counter()
+    for old in np.flatnonzero(new_of_old >= 0).tolist():
+        before, now = olds[old], news[int(new_of_old[old])]
+        if before != now:
+            one, other = before.split("/"), now.split("/")
+            same = _common(one[::-1], other[::-1])
+            if same:
+                votes[tuple(one[: len(one) - same]), tuple(other[: len(other) - same])] += 1
+    found: dict[tuple[str, ...], tuple[str, ...]] = {}
+    for (before_steps, now_steps), _ in votes.most_common():
+        found.setdefault(before_steps, now_steps)
+    return found
 
 
 def _mates(old: Shapes, new: Shapes) -> tuple[Rows, Rows]:

@@ -49,7 +49,8 @@ class Clashes(Table):
         if thin walls that did not overlap now clash. A partial check resolves nothing. Findings of parts that this
         check did not look at, and those that a rule hides, keep their status in `earlier()` for the next check.
 
-        Parts match by path, even if they moved; equal parts that swapped paths, by place. If a path is gone (a file,
+        Parts match by path, even if they moved, also below a root or sub-assembly with another name that other parts
+        of it tell; equal parts that swapped paths, by place. If a path is gone (a file,
         root or sub-assembly was renamed, a level added), or several parts have it, parts match by shape and place:
         another meshing, motions of at most 0.01 mm, or a shift of the whole assembly do not matter. If it was turned as
         a whole, such parts do not match. Size and area may differ by what the chords of the coarser mesh explain; for

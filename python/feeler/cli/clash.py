@@ -31,6 +31,7 @@ from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
+from feeler.words import volume as volume_text
 
 if TYPE_CHECKING:
     from feeler.clashes.matching import PartMatch
@@ -351,7 +352,7 @@ def _print(
 ) -> None:
     from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
-    from feeler.clashes.words import extent, hidden, sentence
+    from feeler.clashes.words import extent, hidden, sentence, shared
     from feeler.cli import outputs
 
     out = outputs.console()
@@ -364,6 +365,9 @@ def _print(
     outputs.say(out, f"{plural(len(found), 'finding')} among {plural(found.facts.parts, 'part')}{took}")
     if said:
         outputs.say(out, f"  {said}")
+    total = shared(found)
+    if total:
+        outputs.say(out, f"  shared volume: {total}")
     if found.hidden:
         outputs.say(out, f"  hidden: {hidden(found)}")
     if match is not None:
@@ -384,7 +388,7 @@ def _print(
         )
         rows: list[Any] = [
             (
-                *(row.verdict, extent(row), row.path_a, row.path_b),
+                *(row.verdict, extent(row), *([volume_text(row.volume)] if total else []), row.path_a, row.path_b),
                 *([row.rule] if len(found.rule_names) > 1 else []),
                 *([row.status] if has_statuses else []),
             )
@@ -394,7 +398,9 @@ def _print(
             out,
             "Findings, the worst first",
             [
-                *(("verdict", "left"), ("depth or gap", "right"), ("part", "left"), ("other part", "left")),
+                *(("verdict", "left"), ("depth or gap", "right")),
+                *([("shared volume", "right")] if total else []),
+                *(("part", "left"), ("other part", "left")),
                 *([("rule", "left")] if len(found.rule_names) > 1 else []),
                 *([("status", "left")] if has_statuses else []),
             ],
