@@ -1,16 +1,17 @@
 """Saves findings as JSON and loads them.
 
     {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "least_contact": m, "parts": n,
-     "triangles": n, "files": [...], "partial": bool, "notes": [...], "clashes": [one a line], "earlier": [likewise],
-     "shapes": [a part a line], "earlier_shapes": [likewise]}
+     "triangles": n, "files": [...], "partial": bool, "notes": [...], "names": {...}, "clashes": [one a line],
+     "earlier": [likewise], "shapes": [a part a line], "earlier_shapes": [likewise]}
 
 A finding has the fields of `Clash`, with the keys of its parts instead of part numbers: a new part changes no other
 line. Lines are sorted by rule and parts, so a git diff shows only changes. `feeler clash --json` has the same fields in
 the order of the table; `feeler view` reads both. Shapes are stored for parts with findings and for parts with equal
 paths; files without shapes can be read. Older files have no `depth_error`, and their depths are lengths of a
 translation: `load_clashes` reads them as estimates and keeps approvals. Files without `approved_error` and
-`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file. Shapes without
-`triangles`, `chord` and `area_error` match within wider tolerances.
+`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file. `names`
+are of parts whose name is not the last step of the path; older files lack them. Shapes without `triangles`, `chord` and
+`area_error` match within wider tolerances.
 """
 
 from __future__ import annotations
@@ -64,7 +65,17 @@ def head(clashes: Table) -> dict[str, Any]:
         "hidden": clashes.hidden,
         "rules": [[name, *map(_number, limits)] for name, *limits in facts.rules],
         **({"notes": list(facts.notes)} if facts.notes else {}),
+        **({"names": names} if (names := _names(clashes)) else {}),
     }
+
+
+def _names(clashes: Table) -> dict[str, str]:
+    """The names of parts with findings that are not the last steps of their paths, by key."""
+    if not clashes.facts.names:
+        return {}
+    keys = clashes.keys
+    used = {keys[part] for part in np.union1d(clashes.parts_a, clashes.parts_b).tolist()}
+    return {key: name for key, name in sorted(clashes.facts.names) if key in used}
 
 
 def rows(clashes: Table) -> Iterator[dict[str, Any]]:
@@ -218,6 +229,7 @@ class _Reader(Generic[AnyTable]):
             rules=tuple(_rule(each) for each in data.get("rules") or ()),
             notes=tuple(map(str, data.get("notes") or ())),
             least_contact=_real(data.get("least_contact") or 0.0, "least_contact"),
+            names=self._names(data.get("names", {})),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
@@ -231,6 +243,11 @@ class _Reader(Generic[AnyTable]):
             is_partial=is_partial,
             shapes=PartShapes(shapes),
         )
+
+    def _names(self, names: Any) -> tuple[tuple[str, str], ...]:
+        if not isinstance(names, Mapping) or not all(isinstance(name, str) for name in names.values()):
+            raise LoadError(f'{self.file}: "names" is not texts by part: give a file of Clashes.save')
+        return tuple(names.items())
 
     def _shapes(self, data: Mapping[str, Any], name: str) -> Shapes:
         lines = data.get(name, [])
