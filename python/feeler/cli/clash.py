@@ -31,7 +31,6 @@ from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.words import plural
-from feeler.words import volume as volume_text
 
 if TYPE_CHECKING:
     from feeler.clashes.matching import PartMatch
@@ -352,7 +351,7 @@ def _print(
 ) -> None:
     from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
-    from feeler.clashes.words import extent, hidden, sentence, shared
+    from feeler.clashes.words import extent, hidden, sentence, shared, shared_by
     from feeler.cli import outputs
 
     out = outputs.console()
@@ -388,7 +387,7 @@ def _print(
         )
         rows: list[Any] = [
             (
-                *(row.verdict, extent(row), *([volume_text(row.volume)] if total else []), row.path_a, row.path_b),
+                *(row.verdict, extent(row), *([shared_by(row)] if total else []), row.path_a, row.path_b),
                 *([row.rule] if len(found.rule_names) > 1 else []),
                 *([row.status] if has_statuses else []),
             )
