@@ -487,7 +487,9 @@ def test_twenty_thousand_parts_are_matched_in_seconds() -> None:
         content = rng.integers(0, 2**63, len(paths)).astype(np.uint64)
         area = 2.0 * (size * np.roll(size, 1, axis=1)).sum(axis=1)
         corners = np.stack([lower, lower + size], axis=1)
-        return Shapes(tuple(part_keys(paths)), tuple(paths), content, corners, corners.mean(axis=1), area)
+        boxes = corners, corners.mean(axis=1), area
+        flat = np.full(len(paths), 12), np.zeros(len(paths)), np.zeros(len(paths))
+        return Shapes(tuple(part_keys(paths)), tuple(paths), content, *boxes, *flat)
 
     before = shapes([f"a/{i // 100}/{i}" for i in range(count)], lower, size)
     order = rng.permutation(count)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import datetime
+import html
+import importlib.util
 import inspect
 import json
 import re
@@ -19,10 +21,10 @@ from shapes import box
 
 import feeler
 from feeler import Verdict
-from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html
+from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html, write_xlsx
 from feeler.clashes.as_glb import COLOUR_OF, clash_bodies
 from feeler.clashes.columns import COLUMNS
-from feeler.clashes.words import extent, sentence, title
+from feeler.clashes.words import extent, sentence, shared, shared_by, title
 from feeler.errors import OptionError
 from feeler.io import WriteError
 from feeler.io.body import LIGHT_GREY
@@ -131,6 +133,11 @@ def test_sentences(mockup: feeler.Mockup) -> None:
     (inside,) = table([row])
     assert sentence(inside) == "a and b: one is inside the other, 50 mm from coming out"
     assert extent(inside) == "2 mm"
+    # What `contact` allows is said, but not the rounding of flush faces.
+    allowed, flush = table([{"a": 0, "b": 1, "verdict": Verdict.CONTACT, "depth": depth} for depth in (0.3, 1e-7)])
+    assert (sentence(allowed), extent(allowed)) == ("a overlaps b by 300 mm, allowed", "300 mm, allowed")
+    assert (shared_by(allowed), shared_by(flush)) == ("not measured", "unknown")
+    assert (sentence(flush), extent(flush)) == ("a touches b", "touching")
     # A range only where the error is more than that of every measured depth.
     wide, usual = table([{"a": 0, "b": 1, "depth": 0.002, "depth_error": error} for error in (1e-4, 2e-6)])
     assert (extent(wide), extent(usual)) == ("2 mm to 2.1 mm", "2 mm")
@@ -243,7 +250,7 @@ def test_names_do_not_become_markup(tmp_path: Path, hostile: feeler.Mockup) -> N
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     assert page.count("<script") == 2 and page.count("</script") == 2 and "<b>&" not in page
     assert "alert(1)</script>" not in page
-    assert data_of(page)[0]["a"] == f"x/{HOSTILE}"
+    assert data_of(page)[0]["a"] == f"x/{HOSTILE}".replace("\x01", "\\x01")
 
 
 def test_a_partial_check_is_told(tmp_path: Path, mockup: feeler.Mockup) -> None:
@@ -465,3 +472,50 @@ def test_outputs_refuse_another_mock_up(tmp_path: Path, mockup: feeler.Mockup, h
     write_html(tmp_path / "a.html", feeler.load_clashes(tmp_path / "a.json"))
     with pytest.raises(WriteError):
         write_csv(tmp_path / "no" / "a.csv", found)
+
+
+# --- volumes and names ------------------------------------------------------------------------------------------------
+
+
+def test_volumes_are_in_all_reports(tmp_path: Path) -> None:
+    measured = table([{"a": 0, "b": 1, "volume": 0.0015}, {"a": 2, "b": 3, "volume": 2.5e-9}, {"a": 0, "b": 3}])
+    none = table([{"a": 0, "b": 1}])
+    assert (shared(measured), shared(none)) == ("1.5 l in all, unknown for 1 pair", "")
+    write_html(tmp_path / "a.html", measured)
+    write_html(tmp_path / "b.html", none)
+    page, plain = ((tmp_path / name).read_text(encoding="utf-8") for name in ("a.html", "b.html"))
+    assert sorted(row["volume"] for row in data_of(page)) == ["1.5 l", "2.5 mm³", "unknown"]
+    assert "<th>shared volume</th>" in page and "<dd>1.5 l in all, unknown for 1 pair</dd>" in page
+    assert "<th>shared volume</th>" not in plain and "volume" not in data_of(plain)[0]
+
+
+CONTROLS = "".join(map(chr, [*range(32), 127, 128, 0x85, 0x9F, 0xFFFE, 0xFFFF, 0xD800]))
+
+
+def test_control_characters_leave_files_valid(tmp_path: Path) -> None:
+    """In names of parts, rules and people, and in notes."""
+    mockup = mockup_of({f"x/a{CONTROLS}z": box((0, 0, 0), (1, 1, 1)), "nul\0": box((0.5, 0, 0), (2, 1, 1))})
+    found = feeler.clash(mockup, rules={"rule": [{"name": "r\x01", "a": "x*"}]})
+    found.set_status(found.ids[0], "approved", by="ada\x02", note=f"n{CONTROLS[:-1]}")
+    write_html(tmp_path / "a.html", found)
+    page = (tmp_path / "a.html").read_bytes().decode("utf-8")
+    allowed = set("\n\t")
+    assert {letter for letter in page if not letter.isprintable()} <= allowed
+    assert (
+        not {letter for letter in json.dumps(data_of(page), ensure_ascii=False) if not letter.isprintable()} - allowed
+    )
+    (group,) = re.findall(r'data-group="(.*?)"', page, re.DOTALL)
+    assert html.unescape(group) == data_of(page)[0]["group"] and "\\x01" in group
+    write_csv(tmp_path / "a.csv", found)
+    text = (tmp_path / "a.csv").read_bytes().decode("utf-8-sig")
+    assert {letter for letter in text if not letter.isprintable()} <= set("\n\t\r") and "\ufffd" in text
+    write_bcf(tmp_path / "a.bcf", found, mockup)
+    names = [("a.bcf", name) for name in zipfile.ZipFile(tmp_path / "a.bcf").namelist()]
+    if importlib.util.find_spec("xlsxwriter"):
+        write_xlsx(tmp_path / "a.xlsx", found)
+        names += [("a.xlsx", name) for name in zipfile.ZipFile(tmp_path / "a.xlsx").namelist()]
+    for file, name in names:
+        if not name.endswith(".png"):
+            data = zipfile.ZipFile(tmp_path / file).read(name).decode("utf-8")
+            ElementTree.fromstring(data)
+            assert not re.search("[^\t\n\r\x20-\ud7ff\ue000-\ufffd]", data), name

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import pickle
 import re
 from pathlib import Path
 from typing import Any
@@ -433,3 +435,36 @@ def test_classes_are_as_few_as_the_patterns_tell_apart(mockup: feeler.Mockup) ->
     assert made.clearance.shape == (5, 5) and (made.clearance == made.clearance.T).all()
     a, b = np.array([0, 0, 1], np.uint32), np.array([2, 6, 6], np.uint32)
     assert [made.names[i] for i in made.rule_of(a, b)] == ["x", "y", "default"]
+
+
+def test_saved_findings_know_the_names_of_parts(tmp_path: Path) -> None:
+    """Rules give the same findings as a new check, also where names are not the last steps of paths."""
+    (first, faces), (second, _) = box((0, 0, 0), (1, 1, 1)), box((0.9, 0, 0), (2, 1, 1))
+    mockup = feeler.Mockup(
+        np.concatenate([first, second]),
+        np.concatenate([faces, faces + 8]),
+        np.repeat([0, 1], 12),
+        ["Pump body", "shaft"],
+        part_paths=["asm/id_001", "asm/shaft"],
+    )
+    found = feeler.clash(mockup)
+    found.save(tmp_path / "a.json")
+    loaded = feeler.load_clashes(tmp_path / "a.json")
+    data = json.loads((tmp_path / "a.json").read_text())
+    assert data["names"] == {"asm/id_001": "Pump body"} and loaded.facts.names == found.facts.names
+    loaded.save(tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "a.json").read_bytes()
+    for pattern in ("Pump body", "id_001", "*body*", "shaft", "asm/id_001"):
+        rules = {"exclude": [{"name": "n", "a": pattern, "optional": True}]}
+        fresh = feeler.clash(mockup, rules=rules).hidden
+        for table in (found, found[:], loaded, pickle.loads(pickle.dumps(loaded)), loaded.with_rules({})):
+            assert table.with_rules(rules).hidden == fresh, pattern
+    # Files of before, and files of others.
+    old = {key: value for key, value in data.items() if key != "names"}
+    (tmp_path / "old.json").write_text(json.dumps(old))
+    rules = {"exclude": [{"name": "n", "a": "id_001"}]}
+    assert feeler.load_clashes(tmp_path / "old.json").with_rules(rules).hidden == {"n": 1}
+    for wrong in ([], {"asm/id_001": 3}):
+        (tmp_path / "bad.json").write_text(json.dumps({**data, "names": wrong}))
+        with pytest.raises(LoadError, match='"names" is not texts by part'):
+            feeler.load_clashes(tmp_path / "bad.json")

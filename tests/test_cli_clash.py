@@ -208,6 +208,9 @@ def test_volumes_on_the_command_line(file: Path) -> None:
     pytest.importorskip("manifold3d")
     rows = run_json("clash", file, "--volume")["clashes"]
     assert {row["volume"] is None for row in rows} == {False}
+    text = " ".join(run("clash", file, "--volume").stdout.split())
+    assert "shared volume: 1.156 m³ in all" in text and "shared volume" in text.split("Findings, the worst first")[1]
+    assert "shared volume" not in run("clash", file).stdout
 
 
 def test_the_command_says_what_each_rule_hides(tmp_path: Path, file: Path) -> None:

@@ -19,6 +19,16 @@ def length(metres: float) -> str:
     return f"{metres:.4g} m"
 
 
+def volume(cubic_metres: float) -> str:
+    """A volume with a suitable unit."""
+    if not math.isfinite(cubic_metres):
+        return "unknown"
+    for factor, unit in ((1.0, "m³"), (1e3, "l"), (1e6, "cm³")):
+        if cubic_metres * factor >= 1.0:
+            return f"{cubic_metres * factor:.4g} {unit}"
+    return f"{cubic_metres * 1e9:.4g} mm³"
+
+
 def plural(number: int, noun: str) -> str:
     """A number with its noun, given in the singular: "1 part", "2 vertices"."""
     return f"{number:,} {noun if number == 1 else _PLURALS.get(noun, noun + 's')}"
@@ -47,7 +57,7 @@ def printable(text: str) -> str:
 
 def _code(letter: str) -> str:
     """A character as Python writes it; other separators and joiners of words stay as they are."""
-    is_control = unicodedata.category(letter) in ("Cc", "Cs") or letter in _BIDI
+    is_control = unicodedata.category(letter) in ("Cc", "Cs") or letter in _BIDI or ord(letter) & 0xFFFE == 0xFFFE
     return letter.encode("unicode_escape").decode() if is_control else letter
 
 

@@ -16,7 +16,8 @@ def write_csv(path: str | os.PathLike[str], clashes: Clashes, *, by: GroupBy = "
     """Writes a line for each finding, the worst first. Numbers have just enough digits to read back unchanged.
 
     Unknown values, such as a volume that was not measured, are empty fields. Text that a spreadsheet would take for a
-    formula gets a leading apostrophe. by: how to group, as in `Clashes.groups`. Raises `WriteError`.
+    formula gets a leading apostrophe, and control characters are replaced. by: how to group, as in `Clashes.groups`.
+    Raises `WriteError`.
     """
     check_kind("clashes", clashes, Clashes)
     with atomic_file(path, ".csv") as file:

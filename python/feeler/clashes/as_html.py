@@ -16,10 +16,10 @@ from feeler.clashes.as_json import statuses
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import capitalised, extent, hidden, sentence
+from feeler.clashes.words import capitalised, extent, hidden, sentence, shared, shared_by
 from feeler.mockup import Mockup
 from feeler.progress import Progress
-from feeler.words import length, plural
+from feeler.words import length, plural, printable
 
 MOST_GROUPS = 200
 """Most groups on the page, the worst first. Each has a picture, about 30 kB and 0.05 s. The table has all findings."""
@@ -53,8 +53,8 @@ def write_html(
             '<!doctype html><html lang="en"><head><meta charset="utf-8">',
             f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>{escape(_title(clashes))}</title><style>{STYLE}</style></head><body>",
-            f"<h1>{escape(_title(clashes))}</h1>",
+            f"<title>{_shown(_title(clashes))}</title><style>{STYLE}</style></head><body>",
+            f"<h1>{_shown(_title(clashes))}</h1>",
             *_summary(clashes, groups),
             *_groups(groups, drawn),
             *_table(clashes),
@@ -81,6 +81,11 @@ def _drawn(clashes: Clashes, mockup: Mockup, groups: list[Group], progress: Prog
     return found
 
 
+def _shown(text: str) -> str:
+    """Text for the page: no markup, and control characters, which HTML forbids, as code."""
+    return escape(printable(text))
+
+
 def _title(clashes: Clashes) -> str:
     files = [file.replace("\\", "/").rpartition("/")[2] for file in clashes.facts.files]
     return f"Clashes of {', '.join(files[:3])}{' ...' if len(files) > 3 else ''}" if files else "Clashes"
@@ -96,11 +101,12 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
         ("findings", ", ".join(f"{count:,} {name}" for name, count in verdicts if count) or "none"),
         ("status", ", ".join(f"{count:,} {name}" for name, count in statuses(clashes).items() if count) or "none"),
         ("groups", f"{len(groups):,}"),
+        *([("shared volume", shared(clashes))] if shared(clashes) else []),
         *([("hidden", hidden(clashes))] if clashes.hidden else []),
     ]
     partial = ["<p class=partial>The check was stopped. More findings may exist.</p>"]
-    items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in lines)
-    said = [f"<p class=advice>{escape(capitalised(each))}.</p>" for each in advice(clashes)]
+    items = "".join(f"<dt>{_shown(name)}</dt><dd>{_shown(value)}</dd>" for name, value in lines)
+    said = [f"<p class=advice>{_shown(capitalised(each))}.</p>" for each in advice(clashes)]
     return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>", *said]
 
 
@@ -112,8 +118,8 @@ def _groups(groups: list[Group], drawn: list[str]) -> list[str]:
         image = f'<img alt="" loading=lazy src="{drawn[number]}">' if number < len(drawn) else ""
         more = plural(len(group), "finding")
         lines.append(
-            f'<button type=button class=group aria-pressed=false data-group="{escape(group.name)}">{image}<span>'
-            f"<b>{escape(group.name).replace('/', '/<wbr>')}</b>{more}; {escape(sentence(group.worst))}</span></button>"
+            f'<button type=button class=group aria-pressed=false data-group="{_shown(group.name)}">{image}<span>'
+            f"<b>{_shown(group.name).replace('/', '/<wbr>')}</b>{more}; {_shown(sentence(group.worst))}</span></button>"
         )
     left = len(groups) - MOST_GROUPS
     return [*lines, "</div>", f"<p>... and {left:,} more groups, in the table</p>" if left > 0 else ""]
@@ -128,9 +134,10 @@ def _table(clashes: Clashes) -> list[str]:
     }
     filters = []
     for name, values in choices.items():
-        options = "".join(f'<option value="{escape(value)}">{escape(value)}</option>' for value in values)
+        options = "".join(f'<option value="{_shown(value)}">{_shown(value)}</option>' for value in values)
         filters.append(f'<label>{name} <select id={name}><option value="">any</option>{options}</select></label>')
-    heads = ["verdict", "depth or gap", "part", "other part", "at, m", "rule", "status"]
+    volumes = ["shared volume"] if shared(clashes) else []
+    heads = ["verdict", "depth or gap", *volumes, "part", "other part", "at, m", "rule", "status"]
     return [
         "<h2>Findings</h2><div class=filters>",
         *filters,
@@ -148,20 +155,22 @@ def _table(clashes: Clashes) -> list[str]:
 
 def _data(clashes: Clashes, group_of: dict[int, str]) -> str:
     """The rows of the table as JSON, escaped so that no text can end the script element."""
+    has_volumes = bool(shared(clashes))
     found: list[dict[str, Any]] = [
         {
             "id": clash.id,
             "verdict": clash.verdict,
             "extent": extent(clash),
-            "a": clash.path_a,
-            "b": clash.path_b,
+            **({"volume": shared_by(clash)} if has_volumes else {}),
+            "a": printable(clash.path_a),
+            "b": printable(clash.path_b),
             "place": " ".join(f"{value:.4f}" for value in clash.point_a),
-            "rule": clash.rule,
+            "rule": printable(clash.rule),
             "severity": clash.severity,
             "status": clash.status,
-            "by": clash.by,
-            "note": clash.note,
-            "group": group_of[row],
+            "by": printable(clash.by),
+            "note": printable(clash.note),
+            "group": printable(group_of[row]),
         }
         for row, clash in enumerate(clashes[:MOST_ROWS])
     ]

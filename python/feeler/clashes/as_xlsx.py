@@ -16,7 +16,7 @@ from feeler.clashes.as_json import statuses
 from feeler.clashes.columns import COLUMNS, cells
 from feeler.clashes.result import Clashes
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import capitalised, hidden
+from feeler.clashes.words import capitalised, hidden, shared
 from feeler.io.csv_table import Cell
 from feeler.io.xlsx import write_cell, xlsx_library
 from feeler.mockup import Mockup
@@ -119,6 +119,7 @@ def _summary(sheet: Any, clashes: Clashes, count: int, pictured: int, bold: Any)
         ("findings", len(clashes)),
         *verdicts,
         *statuses(clashes).items(),
+        *([("shared volume", shared(clashes))] if shared(clashes) else []),
         *([("hidden", hidden(clashes))] if clashes.hidden else []),
         *([("partial", "the check was stopped. More findings may exist")] if clashes.is_partial else []),
         *(("note", capitalised(each)) for each in advice(clashes)),

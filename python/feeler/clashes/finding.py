@@ -22,6 +22,7 @@ from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.clashes.words import named
+from feeler.clashes.tracking import part_keys
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
@@ -133,6 +134,7 @@ def clash(
         least_contact=_least_contact(mockup),
         open_parts=tuple(mockup.part_paths[part] for part in rims),
         notes=tuple(notes),
+        names=_names(mockup),
     )
     clashes = Clashes(
         columns,
@@ -193,6 +195,14 @@ def _limits(
         shape_of(mockup),
         _least_contact(mockup),
     )
+
+
+def _names(mockup: Mockup) -> tuple[tuple[str, str], ...]:
+    """Key and name of each part whose name is not the last step of its path."""
+    pairs = zip(mockup.part_names, mockup.part_paths, strict=True)
+    other = [part for part, (name, path) in enumerate(pairs) if name != path.rpartition("/")[2]]
+    keys = part_keys(mockup.part_paths) if other else []
+    return tuple((keys[part], mockup.part_names[part]) for part in other)
 
 
 def _least_contact(mockup: Mockup) -> float:

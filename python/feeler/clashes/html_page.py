@@ -63,6 +63,7 @@ function draw() {
     line.id = row.id;
     cell(line, row.verdict, row.verdict);
     cell(line, row.extent, "number");
+    if (row.volume) cell(line, row.volume, "number");
     cell(line, row.a);
     cell(line, row.b);
     cell(line, row.place, "number");

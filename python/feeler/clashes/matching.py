@@ -1,10 +1,10 @@
 """Matches the parts of the previous check to the parts of this check.
 
-    same path, shape and place -> same content -> same shape and place -> same path alone
+    same path, shape and place -> same content -> same shape and place -> same path alone, also below a renamed folder
 
 Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
 place only, since their order is arbitrary. If most parts moved, places are compared after the motion of the whole:
-the one under which most parts are in their places.
+the one under which most parts of a shape of their own, then most shapes, are in their places.
 """
 
 from __future__ import annotations
@@ -23,17 +23,20 @@ from feeler.clashes.tracking import DEPTH_GROWTH_M
 
 Rows = npt.NDArray[np.intp]
 
-_SIDE_SHARE = 0.04
-"""How much the box of a part may differ along an axis, as a share of its side. A circle of 8 chords is 4 % narrower
-than a fine one; the next standard length of a bolt is 12 % longer."""
-_DIAGONAL_SHARE = 0.03
-"""The smaller of `DEPTH_GROWTH_M` and this share of the diagonal is allowed besides: flat parts have a side of 0."""
+_MOTION_M, _DIAGONAL_SHARE = 1e-5, 0.03
+"""How far a part may have moved alone, metres, and at most as a share of its diagonal."""
+_CHORD_SHARE = 1.05
+"""How far facets may be from a surface, as a share of the estimate of `chord_errors`."""
+_MOST_CHORD = 0.125
+"""The largest estimate, as a share of the diagonal: a ball of eight chords has 0.09."""
 _ROUNDING = 1e-6
 """Share of the largest coordinate: eight units in the last place of float32, the type in most formats."""
+_AREA_ROUNDINGS = 8.0
+"""How many roundings by the lengths of a part its area may be off."""
 _LEAST_M = 1e-12
 """Added to every tolerance, so that none is zero."""
-_AREA_SHARE = 0.12
-"""How much areas may differ. A disc of 8 chords has 10 % less area than a fine one."""
+_OLD_SIDE_SHARE, _OLD_AREA_SHARE, _OLD_MOTION_M = 0.04, 0.12, DEPTH_GROWTH_M
+"""Tolerances for parts of older files, which have no chords: shares of the side and the area, and metres."""
 _NEAR_SHARE = 0.5
 """For parts with equal paths: how far the centre may move, as a share of the side along each axis, and how much the
 diagonal may change. Bolts of a pattern are farther apart than that."""
@@ -105,24 +108,49 @@ class _Search:
         self.diagonals = [np.sqrt((size * size).sum(axis=1)) for size in self.sizes]
         boxes = (each.box[each.is_known] for each in (old, new))
         self.rounding = _LEAST_M + _ROUNDING * max(float(np.abs(box).max(initial=0.0)) for box in boxes)
-        slack = np.minimum(DEPTH_GROWTH_M, _DIAGONAL_SHARE * self.diagonals[0])
-        self.tolerance = _SIDE_SHARE * self.sizes[0] + slack[:, None] + self.rounding
+        self.chords = _chords(old, new)
+        is_old = np.isnan(self.chords[0])
+        most = np.where(is_old, _OLD_MOTION_M, _MOTION_M)
+        self.motion = np.minimum(most, _DIAGONAL_SHARE * self.diagonals[0]) + self.rounding
+        self.loose = np.where(is_old[:, None], _OLD_SIDE_SHARE * self.sizes[0], 0.0)
+        """How much farther corners of parts of older files may be, `(n, 3)` metres."""
+        chord = np.maximum(np.nan_to_num(self.chords[0]), self.chords[1].max(initial=0.0))
+        self.reach = self.loose + (self.motion + np.minimum(chord, _MOST_CHORD * self.diagonals[0]))[:, None]
+        """How far the centre of a part may be from its place before."""
         self.mates = _mates(old, new)
         self.by_shape = [_by_shape(each, size) for each, size in zip((old, new), self.sizes, strict=True)]
-        self.rarity = np.zeros(len(old))
-        for rows in self.by_shape[0].values():
-            self.rarity[rows] = 1.0 / len(rows)
+        self.shape, self.is_unique = np.full(len(old), -1, dtype=np.intp), np.zeros(len(old), dtype=bool)
+        for number, rows in enumerate(self.by_shape[0].values()):
+            self.shape[rows], self.is_unique[rows] = number, len(rows) == 1
         self.steps = [[path.split("/")[::-1] for path in each.paths] for each in (old, new)]
 
     def differences(self, olds: Rows, news: Rows, shift: Floats) -> Floats:
-        """The distance of boxes and centroids for each pair, in tolerances; infinite if shape or place differ."""
-        tolerance = self.tolerance[olds]
-        box = np.abs(self.new.box[news] - self.old.box[olds] - shift) / tolerance[:, None, :]
-        middle = np.abs(self.new.middle[news] - self.old.middle[olds] - shift) / tolerance
-        most = np.maximum(box.max(axis=(1, 2), initial=0.0), middle.max(axis=1, initial=0.0))
-        areas = (self.old.area[olds], self.new.area[news])
-        is_same = (most <= 1.0) & (np.abs(areas[0] - areas[1]) <= _AREA_SHARE * np.maximum(*areas))
-        return np.where(is_same, most, np.inf)
+        """The distance of boxes and centroids for each pair, metres; infinite if shape or place differ."""
+        box = np.abs(self.new.box[news] - self.old.box[olds] - shift).max(axis=1)
+        middle = np.abs(self.new.middle[news] - self.old.middle[olds] - shift)
+        away = np.maximum(box, middle)
+        allowed = (self.motion[olds] + self.chord(olds, news))[:, None] + self.loose[olds]
+        is_same = (away <= allowed).all(axis=1) & self.are_alike(olds, news)
+        return np.where(is_same, away.max(axis=1, initial=0.0), np.inf)
+
+    def chord(self, olds: Rows, news: Rows) -> Floats:
+        """How far the surfaces of two meshes of one part may be from each other, metres; 0 for parts of older files."""
+        return np.maximum(np.nan_to_num(self.chords[0][olds]), self.chords[1][news])
+
+    def are_alike(self, olds: Rows, news: Rows) -> npt.NDArray[np.bool_]:
+        """Which pairs have the same size and area, wherever they are."""
+        grown = np.abs(self.sizes[1][news] - self.sizes[0][olds])
+        allowed = (self.chord(olds, news) + self.rounding)[:, None] + self.loose[olds]
+        is_same = (grown <= 2.0 * allowed).all(axis=1)
+        areas, diagonal = (self.old.area[olds], self.new.area[news]), self.diagonals[0][olds] + _LEAST_M
+        rounding = _AREA_ROUNDINGS * self.rounding * (diagonal + areas[0] / diagonal)
+        # As many triangles: the same mesh, whose area a rotation does not change either.
+        error = np.maximum(np.nan_to_num(self.old.area_error[olds]), self.new.area_error[news])
+        error[self.old.triangles[olds] == self.new.triangles[news]] = 0.0
+        is_old = np.isnan(self.chords[0][olds])
+        error[is_old] = _OLD_AREA_SHARE * np.maximum(*areas)[is_old]
+        same: npt.NDArray[np.bool_] = is_same & (np.abs(areas[0] - areas[1]) <= error + rounding)
+        return same
 
     def found(self, shift: Floats) -> Rows:
         """Matches parts of equal shape whose places differ by `shift`."""
@@ -137,10 +165,14 @@ class _Search:
             new_of_old[old] = new
         return new_of_old
 
-    def weight(self, new_of_old: Rows) -> tuple[int, float]:
-        """How many parts are matched; of equal numbers, those of rare shapes count more: a pattern matches itself."""
+    def weight(self, new_of_old: Rows) -> tuple[int, int, int]:
+        """How many parts of a shape of their own are matched, how many shapes, and how many parts.
+
+        A pattern matches itself when it moves by its pitch, so the number of parts counts last.
+        """
         is_matched = new_of_old >= 0
-        return int(np.count_nonzero(is_matched)), float(self.rarity[is_matched].sum())
+        shapes = np.count_nonzero(np.bincount(self.shape[is_matched & (self.shape >= 0)]))
+        return int(np.count_nonzero(self.is_unique & is_matched)), int(shapes), int(np.count_nonzero(is_matched))
 
     def common_shifts(self, new_of_old: Rows) -> list[Floats]:
         """Motions that the whole may have made, if most parts moved, the likeliest first; else none.
@@ -148,12 +180,13 @@ class _Search:
         The median motion of parts with equal paths, and the most frequent motions of parts with equal shapes: paths may
         be numbered anew.
         """
+        if not len(self._left(new_of_old)[0]):
+            return []  # all are in their places
         olds, news = self.mates
         alike = self._alike()
         if not len(olds):
             olds, news = alike
-        scaled = np.abs(self.sizes[1][news] - self.sizes[0][olds]) <= self.tolerance[olds]
-        is_rigid = scaled.all(axis=1)
+        is_rigid = self.are_alike(olds, news)
         is_moved = is_rigid & (new_of_old[olds] != news)
         if 2 * np.count_nonzero(is_moved) <= np.count_nonzero(is_rigid):
             return []
@@ -178,6 +211,7 @@ class _Search:
         olds, news = self.mates
         free = (new_of_old[olds] < 0) & ~is_taken[news]
         new_of_old[olds[free]] = news[free]
+        self._add_in_renamed_folders(new_of_old)
         self._add_siblings(new_of_old)
         self._add_unknown(new_of_old)
         return new_of_old
@@ -217,7 +251,7 @@ class _Search:
 
     def _near(self, olds: Rows, news: Rows, shift: Floats) -> Iterable[tuple[int, int]]:
         """Pairs of equal shape and place, the nearest first. The last path steps break ties."""
-        pairs = self._candidates(olds, news, shift, self.tolerance[olds])
+        pairs = self._candidates(olds, news, shift, self.reach[olds])
         differences = self.differences(*pairs, shift)
         return self._nearest_first(*pairs, differences)
 
@@ -264,8 +298,27 @@ class _Search:
             pairs += itertools.islice(itertools.product(olds, news), _MOST_ALIKE)
         return _columns(pairs)
 
+    def _add_in_renamed_folders(self, new_of_old: Rows) -> None:
+        """Adds pairs by path below a root or sub-assembly that has another name: other parts of it say which."""
+        folders = _renamed_folders(self.old.paths, self.new.paths, new_of_old)
+        if not folders:
+            return
+        olds, news = self._left(new_of_old)
+        counts = Counter(self.old.paths), Counter(self.new.paths)
+        row_of_path = {self.new.paths[new]: new for new in news.tolist() if counts[1][self.new.paths[new]] == 1}
+        for old in olds.tolist():
+            path = self.old.paths[old]
+            steps = path.split("/")
+            folder = next((f for k in range(len(steps) - 1, -1, -1) if (f := tuple(steps[:k])) in folders), None)
+            if folder is None or counts[0][path] > 1:
+                continue
+            new = row_of_path.pop("/".join([*folders[folder], *steps[len(folder) :]]), None)
+            if new is not None:
+                new_of_old[old] = new
+
     def _add_siblings(self, new_of_old: Rows) -> None:
-        """Adds pairs among parts with equal paths: all moved by one vector, or single parts moved a little."""
+        """Adds pairs among parts with equal paths: all moved as a part with a path of its own, or each a little."""
+        motions = self._motions()
         olds, news = self._left(new_of_old)
         before, here = _by_path(self.old.paths, olds), _by_path(self.new.paths, news)
         counts = Counter(self.old.paths), Counter(self.new.paths)
@@ -277,15 +330,22 @@ class _Search:
             pairs: list[tuple[int, int]] = []
             if len(some) == len(others) == counts[0][path] == counts[1][path]:
                 shift = self.centres[1][rows[1]].mean(axis=0) - self.centres[0][rows[0]].mean(axis=0)
-                pairs = list(self._near(*rows, shift))
+                if (np.abs(motions - shift) <= self.reach[rows[0]].max(axis=0)).all(axis=1).any():
+                    pairs = list(self._near(*rows, shift))
             if len(pairs) < len(some):
                 pairs = list(self._nearest(*rows))
             for old, new in pairs:
                 new_of_old[old] = new
 
+    def _motions(self) -> Floats:
+        """How parts with paths of their own moved, `(n, 3)` metres."""
+        olds, news = self.mates
+        rigid = self.are_alike(olds, news)
+        return np.asarray(self.centres[1][news[rigid]] - self.centres[0][olds[rigid]])
+
     def _nearest(self, olds: Rows, news: Rows) -> Iterable[tuple[int, int]]:
         """Pairs of similar size whose new centre lies inside the old box."""
-        reach = np.maximum(_NEAR_SHARE * self.sizes[0], self.tolerance)
+        reach = np.maximum(_NEAR_SHARE * self.sizes[0], self.reach)
         olds, news = self._candidates(olds, news, _NO_SHIFT, reach[olds])
         away = self.centres[1][news] - self.centres[0][olds]
         growth = np.abs(self.diagonals[1][news] - self.diagonals[0][olds])
@@ -301,6 +361,29 @@ class _Search:
             new = row_of_key.get(self.old.keys[old], -1)
             if new >= 0 and new not in taken and not (is_known[0][old] and is_known[1][new]):
                 new_of_old[old] = new
+
+
+def _chords(old: Shapes, new: Shapes) -> tuple[Floats, Floats]:
+    """How far facets may be from their surfaces, metres; NaN for parts of older files."""
+    return _CHORD_SHARE * old.chord, np.nan_to_num(_CHORD_SHARE * new.chord)
+
+
+def _renamed_folders(
+    olds: Sequence[str], news: Sequence[str], new_of_old: Rows
+) -> dict[tuple[str, ...], tuple[str, ...]]:
+    """The steps of each folder that has another name now, by those before; the most frequent if parts disagree."""
+    votes: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = Counter()
+    for old in np.flatnonzero(new_of_old >= 0).tolist():
+        before, now = olds[old], news[int(new_of_old[old])]
+        if before != now:
+            one, other = before.split("/"), now.split("/")
+            same = _common(one[::-1], other[::-1])
+            if same:
+                votes[tuple(one[: len(one) - same]), tuple(other[: len(other) - same])] += 1
+    found: dict[tuple[str, ...], tuple[str, ...]] = {}
+    for (before_steps, now_steps), _ in votes.most_common():
+        found.setdefault(before_steps, now_steps)
+    return found
 
 
 def _mates(old: Shapes, new: Shapes) -> tuple[Rows, Rows]:

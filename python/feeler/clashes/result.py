@@ -50,12 +50,17 @@ class Clashes(Table):
         if thin walls that did not overlap now clash. A partial check resolves nothing. Findings of parts that this
         check did not look at, and those that a rule hides, keep their status in `earlier()` for the next check.
 
-        Parts match by path, even if they moved; equal parts that swapped paths, by place. If a path is gone (a file,
+        Parts match by path, even if they moved, also below a root or sub-assembly with another name that other parts
+        of it tell; equal parts that swapped paths, by place. If a path is gone (a file,
         root or sub-assembly was renamed, a level added), or several parts have it, parts match by shape and place:
-        another meshing, small motions, or a shift of the whole assembly do not matter. If it was turned as a whole,
-        such parts do not match. `changed` of findings that match so is "renamed" or "renumbered", and `Changes.parts`
-        counts the parts. Findings become new if their rule is renamed, if a part is renamed and also moved alone or
-        reshaped, and if one of several parts of one path moves by more than half its size. Raises `LoadError` if no
+        another meshing, motions of at most 0.01 mm, or a shift of the whole assembly do not matter. If it was turned as
+        a whole, such parts do not match. Size and area may differ by what the chords of the coarser mesh explain; for
+        flat parts, and for as many triangles as before, only by rounding. `changed` of findings that match so is
+        "renamed" or "renumbered", and `Changes.parts` counts the parts.
+
+        Findings become new if their rule is renamed, if a part is renamed and also moved alone or reshaped, and if one
+        of several parts of one path moves by more than half its size, unless a part with a path of its own moves with
+        it. Parts of files of older versions may differ by 4 % of a side and 12 % of the area. Raises `LoadError` if no
         part of the previous findings is in this mock-up, by path or by shape.
         """
         parts = compare(self, previous, growth)

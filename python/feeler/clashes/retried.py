@@ -78,8 +78,10 @@ def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTab
 
 
 def _names(clashes: Table, mockup: Mockup | None) -> list[str]:
-    """The names of the parts: those of the mock-up, else the last steps of their paths."""
-    names = [path.rpartition("/")[2] for path in clashes.part_paths]
+    """The names of the parts: those of the mock-up, else as the check had them."""
+    checked = dict(clashes.facts.names)
+    pairs = zip(clashes.keys, clashes.part_paths, strict=True)
+    names = [checked.get(key, path.rpartition("/")[2]) for key, path in pairs]
     if mockup is None:
         return names
     check_kind("mockup", mockup, Mockup)

@@ -1,15 +1,17 @@
 """Saves findings as JSON and loads them.
 
     {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "least_contact": m, "parts": n,
-     "triangles": n, "files": [...], "partial": bool, "notes": [...], "clashes": [one a line], "earlier": [likewise],
-     "shapes": [a part a line], "earlier_shapes": [likewise]}
+     "triangles": n, "files": [...], "partial": bool, "notes": [...], "names": {...}, "clashes": [one a line],
+     "earlier": [likewise], "shapes": [a part a line], "earlier_shapes": [likewise]}
 
 A finding has the fields of `Clash`, with the keys of its parts instead of part numbers: a new part changes no other
 line. Lines are sorted by rule and parts, so a git diff shows only changes. `feeler clash --json` has the same fields in
 the order of the table; `feeler view` reads both. Shapes are stored for parts with findings and for parts with equal
 paths; files without shapes can be read. Older files have no `depth_error`, and their depths are lengths of a
 translation: `load_clashes` reads them as estimates and keeps approvals. Files without `approved_error` and
-`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file.
+`approved_verdict` can be read: the largest error of a depth counts, and the verdict of the file. `names`
+are of parts whose name is not the last step of the path; older files lack them. Shapes without `triangles`, `chord` and
+`area_error` match within wider tolerances.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ import numpy as np
 
 from feeler.arguments import check_path
 from feeler.atomic import atomic_file
-from feeler.clashes.shapes import PartShapes, Shapes, unknown
+from feeler.clashes.shapes import ARRAYS, PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, AnyTable, Columns, Facts, Table
 from feeler.clashes.tracking import (
     STATUSES,
@@ -63,7 +65,17 @@ def head(clashes: Table) -> dict[str, Any]:
         "hidden": clashes.hidden,
         "rules": [[name, *map(_number, limits)] for name, *limits in facts.rules],
         **({"notes": list(facts.notes)} if facts.notes else {}),
+        **({"names": names} if (names := _names(clashes)) else {}),
     }
+
+
+def _names(clashes: Table) -> dict[str, str]:
+    """The names of parts with findings that are not the last steps of their paths, by key."""
+    if not clashes.facts.names:
+        return {}
+    keys = clashes.keys
+    used = {keys[part] for part in np.union1d(clashes.parts_a, clashes.parts_b).tolist()}
+    return {key: name for key, name in sorted(clashes.facts.names) if key in used}
 
 
 def rows(clashes: Table) -> Iterator[dict[str, Any]]:
@@ -108,14 +120,12 @@ def shape_rows(clashes: Table) -> list[dict[str, Any]]:
             "box": box,
             "middle": middle,
             "area": area,
+            **({"triangles": triangles, "chord": chord, "area_error": error} if math.isfinite(chord) else {}),
         }
-        for key, path, content, box, middle, area in zip(
+        for key, path, content, box, middle, area, triangles, chord, error in zip(
             shapes.keys,
             shapes.paths,
-            shapes.content.tolist(),
-            shapes.box.tolist(),
-            shapes.middle.tolist(),
-            shapes.area.tolist(),
+            *(getattr(shapes, name).tolist() for name in ARRAYS),
             strict=True,
         )
     ]
@@ -219,6 +229,7 @@ class _Reader(Generic[AnyTable]):
             rules=tuple(_rule(each) for each in data.get("rules") or ()),
             notes=tuple(map(str, data.get("notes") or ())),
             least_contact=_real(data.get("least_contact") or 0.0, "least_contact"),
+            names=self._names(data.get("names", {})),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
@@ -233,6 +244,11 @@ class _Reader(Generic[AnyTable]):
             shapes=PartShapes(shapes),
         )
 
+    def _names(self, names: Any) -> tuple[tuple[str, str], ...]:
+        if not isinstance(names, Mapping) or not all(isinstance(name, str) for name in names.values()):
+            raise LoadError(f'{self.file}: "names" is not texts by part: give a file of Clashes.save')
+        return tuple(names.items())
+
     def _shapes(self, data: Mapping[str, Any], name: str) -> Shapes:
         lines = data.get(name, [])
         if not isinstance(lines, list):
@@ -245,7 +261,8 @@ class _Reader(Generic[AnyTable]):
                 what = f"it has no {error}" if isinstance(error, KeyError) else str(error)
                 raise LoadError(f"{self.file}: {name}[{number}] is not a shape of a part: {what}") from None
             found[key] = shape
-        paths, content, box, middle, area = zip(*found.values(), strict=True) if found else ((), (), (), (), ())
+        paths, content, box, middle, *figures = zip(*found.values(), strict=True) if found else ((),) * 8
+        area, triangles, chord, area_error = figures
         return Shapes(
             tuple(found),
             paths,
@@ -253,6 +270,9 @@ class _Reader(Generic[AnyTable]):
             np.array(box, dtype=np.float64).reshape(-1, 2, 3),
             np.array(middle, dtype=np.float64).reshape(-1, 3),
             np.array(area, dtype=np.float64),
+            np.array(triangles, dtype=np.int64),
+            np.array(chord, dtype=np.float64),
+            np.array(area_error, dtype=np.float64),
         )
 
     def _add(
@@ -318,8 +338,9 @@ class _Reader(Generic[AnyTable]):
             values[column].append(value)
 
 
-_Shape = tuple[str, int, list[list[float]], list[float], float]
-"""Path, content, box, middle and area of a part."""
+_ERRORS = ("chord", "area_error")
+_Shape = tuple[str, int, list[list[float]], list[float], float, int, float, float]
+"""Path, content, box, middle, area, number of triangles, and errors by chords of a part."""
 
 
 def _shape(line: Any) -> tuple[str, _Shape]:
@@ -334,7 +355,10 @@ def _shape(line: Any) -> tuple[str, _Shape]:
         raise ValueError("box, middle and area are not all numbers")
     if len(content) != _HASH_DIGITS:
         raise ValueError(f"content is {content!r}")
-    return key, (path, int(content, 16), box, middle, area)
+    triangles, chord, error = int(line.get("triangles", 0)), *(_real(line.get(each), each) for each in _ERRORS)
+    if triangles < 0 or triangles >= _TRIANGLE_PAIRS or chord < 0.0 or error < 0.0:
+        raise ValueError("triangles, chord and area_error are not all at least 0")
+    return key, (path, int(content, 16), box, middle, area, triangles, chord, error)
 
 
 def _hidden(counts: Any) -> tuple[tuple[str, int], ...]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.clashes.chords import chord_errors
 from feeler.clashes.tracking import part_keys
 from feeler.mockup import Mockup
 
@@ -33,7 +34,9 @@ class Shapes:
 
     keys: as in `part_keys`. paths: without the `#2` of equal paths. content: a hash of all corners of all triangles
     that does not depend on their order. box: `(n, 2, 3)`, lower and upper corner. middle: `(n, 3)`, the centroid of the
-    surface. area: `(n,)`, square metres.
+    surface. area: `(n,)`, square metres. triangles: `(n,)`, their number. chord: `(n,)`, how far the facets may be from
+    the surface that they stand for, 0 for flat parts. area_error: `(n,)`, how much the area may be off by that, square
+    metres. Files of older versions lack the last three: 0, and NaN.
     """
 
     keys: tuple[str, ...]
@@ -42,6 +45,9 @@ class Shapes:
     box: Floats
     middle: Floats
     area: Floats
+    triangles: npt.NDArray[np.int64]
+    chord: Floats
+    area_error: Floats
 
     def __len__(self) -> int:
         return len(self.keys)
@@ -56,7 +62,7 @@ class Shapes:
         index = np.array(chosen, dtype=np.intp)
         names = ([each[i] for i in chosen] for each in (self.keys, self.paths))
         keys, paths = map(tuple, names)
-        return Shapes(keys, paths, self.content[index], self.box[index], self.middle[index], self.area[index])
+        return Shapes(keys, paths, *(getattr(self, name)[index] for name in ARRAYS))
 
     def with_siblings(self, keys: Iterable[str]) -> Shapes:
         """The known rows of these parts and of all parts with the same paths, sorted by key."""
@@ -69,21 +75,29 @@ class Shapes:
         """These rows, and the rows of `other` with new keys."""
         here = set(self.keys)
         more = other.rows([i for i, key in enumerate(other.keys) if key not in here])
-        arrays = (
-            np.concatenate([getattr(self, name), getattr(more, name)]) for name in ("content", "box", "middle", "area")
-        )
+        arrays = (np.concatenate([getattr(self, name), getattr(more, name)]) for name in ARRAYS)
         return Shapes(self.keys + more.keys, self.paths + more.paths, *arrays)
+
+
+ARRAYS = ("content", "box", "middle", "area", "triangles", "chord", "area_error")
+"""The arrays of `Shapes`, in order."""
 
 
 def unknown(keys: Sequence[str], paths: Sequence[str] | None = None) -> Shapes:
     """Rows for parts of unknown shape."""
     n = len(keys)
     nothing = (np.full((n, 2, 3), np.nan), np.full((n, 3), np.nan), np.full(n, np.nan))
-    return Shapes(tuple(keys), tuple(keys if paths is None else paths), np.zeros(n, dtype=np.uint64), *nothing)
+    counts = (np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full(n, np.nan))
+    hashes = np.zeros(n, dtype=np.uint64)
+    return Shapes(tuple(keys), tuple(keys if paths is None else paths), hashes, *nothing, *counts)
 
 
-def shapes_of(mockup: Mockup) -> Shapes:
-    """A row for each part of a mock-up. Linear in the triangles. Parts without valid triangles are unknown."""
+def shapes_of(mockup: Mockup, *, with_chords: bool = True) -> Shapes:
+    """A row for each part of a mock-up. Parts without valid triangles are unknown.
+
+    Linear in the triangles, but for a sort of their edges. with_chords: whether to sort them, for `chord` and
+    `area_error`; else these are NaN.
+    """
     count = mockup.part_count
     vertices = np.concatenate([mockup.vertices, np.full((1, 3), np.nan)])
     axes = np.ascontiguousarray(vertices.T)
@@ -111,9 +125,15 @@ def shapes_of(mockup: Mockup) -> Shapes:
         middle = np.where(sums[0] > 0.0, sums[1:] / (3.0 * sums[0]), box.mean(axis=1).T).T
     middle[is_empty] = box[is_empty] = np.nan
     area: Floats = np.where(is_empty, np.nan, sums[0])
+    errors = np.full(count, np.nan), np.full(count, np.nan)
+    if with_chords:
+        errors = chord_errors(vertices, np.minimum(faces, len(vertices) - 1), part_of_face, hashes, count)
+    triangles = np.bincount(part_of_face, minlength=count).astype(np.int64)
     keys = tuple(part_keys(mockup.part_paths))
-    middle, area = middle.round(_DIGITS), area.round(2 * _DIGITS)
-    return Shapes(keys, tuple(mockup.part_paths), content, box, middle, area)
+    rounded = (middle.round(_DIGITS), area.round(2 * _DIGITS))
+    area_error = np.array([float(f"{each:.6g}") for each in errors[1].tolist()])
+    figures = (*rounded, triangles, errors[0].round(_DIGITS), area_error)
+    return Shapes(keys, tuple(mockup.part_paths), content, box, *figures)
 
 
 def _hashes(vertices: Floats) -> Hashes:

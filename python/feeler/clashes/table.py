@@ -160,7 +160,8 @@ class Facts:
     were checked; None: all. open_parts: paths of open parts with another part in their box. notes: what the findings
     do not show, for users. rules: name, clearance and contact of each rule, metres; NaN: not known.
     least_contact: the least that `contact` can be by the rounding of the coordinates in the file, metres; 0 for double
-    precision.
+    precision. names: key and name of each part whose name is not the last step of its path; of loaded findings, only
+    parts with findings.
     """
 
     clearance: float = 0.0
@@ -178,6 +179,7 @@ class Facts:
     notes: tuple[str, ...] = ()
     rules: tuple[tuple[str, float, float], ...] = ()
     least_contact: float = 0.0
+    names: tuple[tuple[str, str], ...] = ()
 
 
 _PLURALS = {

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
 from feeler.clashes.verdict import Verdict
-from feeler.words import length, plural
+from feeler.words import length, plural, volume
 
 _ERROR_SHARE, _LEAST_ERROR_M = 1.001e-3, 1e-9
 """The largest error of a measured depth, as a share and in metres, plus rounding: see `Clash.depth_error`."""
+_TOUCHING_M = 1e-6
+"""Contacts that overlap less than this touch: flush faces do so by rounding."""
 
 _NAMED = 3
 """How many parts a note lists by name."""
@@ -33,9 +37,16 @@ def sentence(clash: Clash) -> str:
         return f"{one} and {other}: one is inside the other, {length(math.hypot(*clash.translation))} from coming out"
     if clash.verdict == Verdict.DUPLICATE:
         return f"{one} and {other} have the same surface"
+    if is_allowed(clash):
+        return f"{one} overlaps {other} by {deep(clash)}, allowed"
     if clash.verdict == Verdict.CONTACT and clash.gap == 0.0:
         return f"{one} touches {other}"
     return f"{one} is {length(clash.gap)} from {other}"
+
+
+def is_allowed(clash: Clash) -> bool:
+    """Whether the parts overlap by more than rounding, but at most by the `contact` of their rule."""
+    return clash.verdict == Verdict.CONTACT and clash.depth > _TOUCHING_M
 
 
 def deep(clash: Clash) -> str:
@@ -52,7 +63,24 @@ def extent(clash: Clash) -> str:
         return "same surface"
     if clash.verdict in (Verdict.CLASH, Verdict.CONTAINED):
         return deep(clash)
+    if is_allowed(clash):
+        return f"{deep(clash)}, allowed"
     return f"{length(clash.gap)} apart" if clash.gap > 0.0 else "touching"
+
+
+def shared(clashes: Clashes) -> str:
+    """The sum of the shared volumes; empty if none was measured."""
+    is_known = np.isfinite(clashes.volumes)
+    if not is_known.any():
+        return ""
+    unknown = int(np.count_nonzero(~is_known))
+    more = f", unknown for {plural(unknown, 'pair')}" if unknown else ""
+    return f"{volume(float(clashes.volumes[is_known].sum()))} in all{more}"
+
+
+def shared_by(clash: Clash) -> str:
+    """The shared volume of one finding. A check does not measure overlaps that `contact` allows."""
+    return "not measured" if is_allowed(clash) else volume(clash.volume)
 
 
 def hidden(clashes: Clashes) -> str:

@@ -351,7 +351,7 @@ def _print(
 ) -> None:
     from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
-    from feeler.clashes.words import extent, hidden, sentence
+    from feeler.clashes.words import extent, hidden, sentence, shared, shared_by
     from feeler.cli import outputs
 
     out = outputs.console()
@@ -364,6 +364,9 @@ def _print(
     outputs.say(out, f"{plural(len(found), 'finding')} among {plural(found.facts.parts, 'part')}{took}")
     if said:
         outputs.say(out, f"  {said}")
+    total = shared(found)
+    if total:
+        outputs.say(out, f"  shared volume: {total}")
     if found.hidden:
         outputs.say(out, f"  hidden: {hidden(found)}")
     if match is not None:
@@ -384,7 +387,7 @@ def _print(
         )
         rows: list[Any] = [
             (
-                *(row.verdict, extent(row), row.path_a, row.path_b),
+                *(row.verdict, extent(row), *([shared_by(row)] if total else []), row.path_a, row.path_b),
                 *([row.rule] if len(found.rule_names) > 1 else []),
                 *([row.status] if has_statuses else []),
             )
@@ -394,7 +397,9 @@ def _print(
             out,
             "Findings, the worst first",
             [
-                *(("verdict", "left"), ("depth or gap", "right"), ("part", "left"), ("other part", "left")),
+                *(("verdict", "left"), ("depth or gap", "right")),
+                *([("shared volume", "right")] if total else []),
+                *(("part", "left"), ("other part", "left")),
                 *([("rule", "left")] if len(found.rule_names) > 1 else []),
                 *([("status", "left")] if has_statuses else []),
             ],

@@ -14,6 +14,7 @@ from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import AsJson, SnapPose, Threads, ToolUnit, Up, read_poses, read_tool
 from feeler.cli.values import POSITIVE_LENGTH
 from feeler.progress import bar
+from feeler.words import volume as volume_text
 
 _FLOAT32 = float(np.finfo(np.float32).eps)
 _ROUNDING_SHARE = 0.1  # of the error: more rounding in a file raises a warning
@@ -96,7 +97,7 @@ def swept(
     rows = [
         ("poses", f"{len(way):,}"),
         ("triangles", f"{mesh.triangle_count:,} ({outputs.duration(mesh.source.seconds)})"),
-        ("volume", _volume(volume)),
+        ("volume", volume_text(volume)),
         ("extent", outputs.extent(mesh.bounds[0], mesh.bounds[1])),
         ("error", f"{outputs.length(error)} at most, outwards only"),
     ]
@@ -111,10 +112,3 @@ def measures(mesh: feeler.Mockup) -> tuple[float, float]:
     a, b, c = np.moveaxis((mesh.vertices - middle)[mesh.faces], 1, 0)
     normals = np.cross(b - a, c - a)
     return float(np.einsum("ij,ij->", a, normals)) / 6, float(np.linalg.norm(normals, axis=1).sum()) / 2
-
-
-def _volume(cubic_metres: float) -> str:
-    for factor, unit in ((1.0, "m³"), (1e3, "l"), (1e6, "cm³")):
-        if cubic_metres * factor >= 1:
-            return f"{cubic_metres * factor:.4g} {unit}"
-    return f"{cubic_metres * 1e9:.4g} mm³"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import codecs
 import math
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -20,6 +21,9 @@ Cell = str | int | float | None
 _FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
 """First characters of cells that spreadsheets evaluate, including the full-width forms of =, +, - and @. Some skip a
 tab or a line break before them."""
+
+_CONTROL = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+"""Characters that no sheet shows, and that XML forbids or discourages."""
 
 _QUOTED = frozenset('",;\t\r\n')
 """Characters that make a field quoted. The semicolon separates fields where the comma is the decimal mark."""
@@ -36,6 +40,11 @@ def csv_table(heading: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
     return codecs.BOM_UTF8 + "".join(lines).encode("utf-8", errors="replace")
 
 
+def plain(text: str) -> str:
+    """Text with the replacement character for control characters; tabs and line breaks stay."""
+    return _CONTROL.sub("\ufffd", text)
+
+
 def harmless(text: str) -> str:
     """Text that a spreadsheet shows unchanged: with a leading apostrophe if it would be evaluated."""
     return "'" + text if text.startswith(_FORMULA) or text.lstrip().startswith(_FORMULA) else text
@@ -48,7 +57,7 @@ def _field(cell: Cell) -> str:
         return str(int(cell))
     if not isinstance(cell, str):
         return _number(check_real("a cell", cell, "text, a number or None"))
-    text = harmless(cell.replace("\0", "\ufffd"))
+    text = harmless(plain(cell))
     if _QUOTED.isdisjoint(text) and text == text.strip():
         return text
     return '"' + text.replace('"', '""') + '"'

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from feeler.errors import OptionError
-from feeler.io.csv_table import Cell
+from feeler.io.csv_table import Cell, plain
 
 
 def xlsx_library() -> Any:
@@ -21,7 +21,6 @@ def xlsx_library() -> Any:
 def write_cell(sheet: Any, row: int, column: int, cell: Cell, style: Any = None) -> None:
     """Writes text as text and numbers as numbers. Unknown values stay empty."""
     if isinstance(cell, str):
-        text = cell.encode("utf-8", errors="replace").decode("utf-8")
-        sheet.write_string(row, column, text, style)  # it cuts text that is too long for a cell of Excel
+        sheet.write_string(row, column, plain(cell), style)  # it cuts text that is too long for a cell of Excel
     elif cell is not None and math.isfinite(cell):
         sheet.write_number(row, column, cell, style)

@@ -138,7 +138,7 @@ class Revision:
 
 def contents_of(mockup: Mockup, progress: Callable[[float, str], object] | None = None) -> tuple[PartContent, ...]:
     """The content of each part. Linear in the triangles."""
-    shapes = shapes_of(mockup)
+    shapes = shapes_of(mockup, with_chords=False)
     count = mockup.part_count
     part_of_face, faces, vertices = mockup.part_of_face, mockup.faces, mockup.vertices
     triangles = np.bincount(part_of_face, minlength=count)
