@@ -21,8 +21,8 @@ from feeler.clashes.rules import RulesLike, is_chord, rules_from
 from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
-from feeler.clashes.words import named
 from feeler.clashes.tracking import part_keys
+from feeler.clashes.words import named
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
