@@ -129,6 +129,8 @@ class MaintainRow:
     change: str
     """What is new, and which changes it is from; empty if nothing is, or if there was no last run."""
     causes: tuple[MaintainChange, ...]
+    renamed_from: tuple[str, ...] = ()
+    """The paths in the last run of those wanted parts that have other ones now."""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""
