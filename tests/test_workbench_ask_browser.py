@@ -162,7 +162,7 @@ def test_the_catalogue_says_which_tool_reaches_each_bolt(context: Any, tmp_path:
         assert rows.count() == 2 and differing(coloured, plain) > 0.0005, "heads are coloured by the answer"
         text = rows.filter(has_text="bolt_free").inner_text()
         assert "hexagon 17 mm: socket 17 (10) + ratchet (10) swings 272°, 2 strokes a turn" in text
-        assert "in the way: wall" in rows.filter(has_text="bolt_caught").inner_text()
+        assert "limited by: wall" in rows.filter(has_text="bolt_caught").inner_text()
         rows.filter(has_text="bolt_free").get_by_role("button").click()
         assert page.evaluate("() => window.feeler.document.tool") is None, "the hand stays as it is"
         settled(page)

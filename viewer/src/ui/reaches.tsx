@@ -33,7 +33,7 @@ export function ReachList({ answer }: { answer: CardAnswer }) {
             </button>
             <span class="note">{reachText(row, isOne)}</span>
             {row.blockers.length > 0 && (
-              <span class="note">{`in the way: ${row.blockers
+              <span class="note">{`${row.is_reachable ? "limited by" : "in the way"}: ${row.blockers
                 .slice(0, 2)
                 .map((part) => store.nameOf(part))
                 .join(", ")}`}</span>

@@ -118,6 +118,8 @@ def _chosen(asked: Asked, bolts: Fasteners, progress: Progress) -> Answered:
     counted = [(name, plural(count, "fastener")) for name, count in good.most_common(MOST_TOOLS)]
     if len(good) > MOST_TOOLS:
         counted.append(("other tools", f"{len(good) - MOST_TOOLS:,}"))
+    if bare := sum(not bolt.drive for bolt in bolts):
+        counted.append(("without a drive that shows", plural(bare, "fastener")))
     if len(order) > MOST_REACHES:
         counted.append(("not listed", plural(len(order) - MOST_REACHES, "fastener")))
     tight = sum(row["has_hand"] is False for row in rows.values())
