@@ -151,6 +151,7 @@ def test_times_of_a_new_path_are_a_change() -> None:
     run = planned(named, base, times=times)
     assert facts(run) == facts(planned(named, times=times)) and run[0].delta == 0.0 < run[1].delta
     assert run[1].change.endswith("since bolt_special was renamed") and run.changes[0].what == "renamed"
+    assert not any(row.is_kept for row in run), "a time bears on rows, wherever they looked"
 
 
 def test_a_name_that_makes_another_fastener_bears_on_its_row() -> None:

@@ -204,7 +204,7 @@ def way(desk: Desk) -> None:
 
 
 def reach(desk: Desk) -> None:
-    """Which tool reaches its bolts: heads in the colours of the answer, a tool and hand in the seat, its swing as a fan."""
+    """Which tool reaches its bolts: heads in the colours of the answer, tool and hand in the seat, the swing a fan."""
     x, y, z = desk.middle(COVER).tolist()
     desk.look((x - 0.25, y - 0.35, z - 0.35), (x, y, z))
     desk.command("hide", parts=["gearbox/door", "gearbox/bracket"])
