@@ -365,7 +365,7 @@ def test_lists_are_checked(tmp_path: Path) -> None:
         feeler.Mockup({name: box((n, 0, 0), (n + 0.5, 1, 1)) for n, name in enumerate(("other", "b"))})
     )
     run = feeler.maintain(renamed, ["other"], seconds=5.0)
-    with pytest.raises(feeler.OptionError, match="previous is a run of other parts, such as 'other', where"):
+    with pytest.raises(feeler.OptionError, match=r"none of its parts is in this one \(0 of 2, such as 'other'"):
         feeler.maintain(scene, ["s0/cover"], previous=run)
 
 

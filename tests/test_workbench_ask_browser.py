@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from browser import differing, document, keep, move, opened, picture, program, settled, troubles, wait
+from test_workbench_cards import bolts
+
+from feeler.io import write_glb
 
 DONE = "() => window.feeler.document.cards.length > 0 && window.feeler.document.cards.at(-1).state === 'done'"
 
@@ -138,3 +141,40 @@ def test_a_way_guides_the_hand_is_checked_and_shortened(context: Any, stand: Pat
         wait(page, "most => window.feeler.document.sequence[0].way.length < most", poses)
         keep(page.screenshot(), "line.png")
         assert troubles(page) == []
+
+
+def test_the_catalogue_says_which_tool_reaches_each_bolt(context: Any, tmp_path: Path) -> None:
+    """A row for each head, colours on the heads; a click draws the whole chain in its seat, with its swing."""
+    write_glb(tmp_path / "bolted.glb", bolts())
+    with program(tmp_path / "bolted.glb") as started:
+        page = opened(context, started)
+        settled(page)
+        plain = picture(page)
+        page.get_by_role("tab", name="Ask", exact=True).click()
+        panel = page.locator("#panel")
+        panel.get_by_role("button", name="Which tool reaches its bolts?").click()
+        wait(page, DONE)
+        assert document(page)["cards"][-1]["options"] == {"catalogue": True}
+        rows = panel.locator(".reaches li")
+        rows.first.wait_for()
+        settled(page)
+        coloured = picture(page)
+        assert rows.count() == 2 and differing(coloured, plain) > 0.0005, "heads are coloured by the answer"
+        text = rows.filter(has_text="bolt_free").inner_text()
+        assert "hexagon 17 mm: socket 17 (10) + ratchet (10) swings 272°, 2 strokes a turn" in text
+        assert "limited by: wall" in rows.filter(has_text="bolt_caught").inner_text()
+        rows.filter(has_text="bolt_free").get_by_role("button").click()
+        assert page.evaluate("() => window.feeler.document.tool") is None, "the hand stays as it is"
+        settled(page)
+        ended = time.monotonic() + 60.0
+        while differing(picture(page), coloured) <= 0.01:
+            assert time.monotonic() < ended, "the chain is not drawn"
+            settled(page)
+        assert rows.filter(has_text="bolt_free").get_attribute("aria-current") == "true"
+        keep(page.screenshot(), "catalogue_reach.png")
+        # Asked again, the row is gone with its tool; the card stays.
+        panel.get_by_role("button", name="Ask again").first.click()
+        wait(page, DONE)
+        rows.first.wait_for()
+        assert panel.locator(".reaches li[aria-current=true]").count() == 0
+        assert "Tools reach all 2 fasteners." in panel.inner_text() and troubles(page) == []

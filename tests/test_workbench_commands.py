@@ -318,6 +318,7 @@ limits_m = [-0.1, 0.2]
 ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "parts": PARTS,
     "is_on": st.booleans(),
+    "catalogue": st.booleans(),
     "is_added": st.booleans(),
     "line": st.integers(1, 6),
     "share": st.floats(0, 1),

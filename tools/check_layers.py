@@ -338,7 +338,8 @@ ROOMS: dict[str, set[str]] = {
         *("requirements", "samples", "tasks", "feeler"),
     },
     # What holds a part, and how it is taken out.
-    "tasks": {*BASE, "io", "parts", "plan", "spreading", "stopping"},
+    # It recognises renamed parts as `clashes` does.
+    "tasks": {*BASE, "clashes", "io", "parts", "plan", "spreading", "stopping"},
     # Clearances that must hold.
     "requirements": {*BASE, "clashes", "io"},
     # The mock-up for agents: a server of the Model Context Protocol.

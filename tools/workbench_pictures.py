@@ -204,10 +204,11 @@ def way(desk: Desk) -> None:
 
 
 def reach(desk: Desk) -> None:
-    """Which tool reaches its bolts: heads in the colours of the answer, the tool seated, its swing as a fan."""
+    """Which tool reaches its bolts: heads in the colours of the answer, tool and hand in the seat, the swing a fan."""
     x, y, z = desk.middle(COVER).tolist()
-    desk.look((x - 0.25, y - 0.45, z + 0.3), (x, y, z))
-    desk.ask("access", [f"{COVER}/bolt_*"], tools=["torque", "wrench", "hand"])
+    desk.look((x - 0.25, y - 0.35, z - 0.35), (x, y, z))
+    desk.command("hide", parts=["gearbox/door", "gearbox/bracket"])
+    desk.ask("access", [f"{COVER}/bolt_*"], catalogue=True)
     desk.page.locator("#panel ul.reaches li.is-good button").first.click()
 
 

@@ -3,8 +3,8 @@ import { test } from "node:test";
 import { base64 } from "../src/actions/exports";
 import { measureArgs, nearestEdge } from "../src/actions/measures";
 import { marksOf } from "../src/app/marks";
-import { partStates, withLit } from "../src/app/part-states";
-import type { Document, Manifest, State } from "../src/link/protocol";
+import { partStates, REACHED, reachTints, withLit } from "../src/app/part-states";
+import type { CardAnswer, Document, Manifest, State } from "../src/link/protocol";
 import { IDENTITY } from "../src/math/matrix";
 import type { Vec3 } from "../src/math/vectors";
 import { touchedParts } from "../src/model/contact";
@@ -331,4 +331,27 @@ test("base64 is that of any length", () => {
     const bytes = Uint8Array.from({ length: count }, (_, k) => (k * 37) & 255);
     assert.equal(base64(bytes), Buffer.from(bytes).toString("base64"));
   }
+});
+
+test("heads are green where a hand turns the tool, amber where none fits or the swing is too small, else red", () => {
+  const row = (part: number | null, is_reachable: boolean, has_hand: boolean | null, swing_deg: number) =>
+    ({ part, is_reachable, has_hand, swing_deg }) as CardAnswer["reaches"][number];
+  const tints = reachTints([
+    row(0, true, true, 90),
+    row(1, true, null, 90),
+    row(2, true, false, 90),
+    row(3, false, null, 20),
+    row(4, false, null, 0),
+    row(null, true, true, 90),
+  ]);
+  assert.deepEqual(
+    [...tints],
+    [
+      [0, REACHED.yes],
+      [1, REACHED.yes],
+      [2, REACHED.partly],
+      [3, REACHED.partly],
+      [4, REACHED.no],
+    ],
+  );
 });

@@ -35,6 +35,7 @@ from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
 from feeler.io.xlsx import xlsx_library
 from feeler.progress import bar
+from feeler.tasks.run_files import renamed_from
 from feeler.tasks.steps import clock
 from feeler.words import plural
 
@@ -159,6 +160,7 @@ def maintain(
         rows = [row.to_dict() for row in run]
         changes = [each.to_dict() for each in run.changes]
         facts = {"said": run.said, "is_partial": run.is_partial, "rows": rows, "changes": changes, "failing": failing}
+        facts["renamed"] = run.renamed
         outputs.print_json({**facts, "mockup": mesh_facts(world), "written": written})
     else:
         _print(run, failing, written)
@@ -231,4 +233,5 @@ def _line(row: feeler.MaintainRow) -> tuple[str, ...]:
     seen = "" if math.isnan(row.sight) else f"{row.sight:.0%}"
     said = row.change or row.error or ("" if row.state == "out" else row.said)
     time = clock(row.seconds) if is_known else ""
+    said = "; ".join(each for each in (said, renamed_from(row)) if each)
     return (row.name, row.state, time, spread, ", ".join(row.tools), reach, seen, said)

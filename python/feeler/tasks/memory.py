@@ -7,8 +7,9 @@ same parts, unmoved, are there, and no others.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -73,6 +74,21 @@ class _Known:
         return bool(present[self.met].all()) and not present[self.missed].any()
 
 
+def named_again(answer: Answer, names: Mapping[str, str]) -> Answer:
+    """An answer with other paths. names: the new one by the one that it has; others stay."""
+    met, missed, asked = (
+        frozenset(names.get(each, each) for each in some) for some in (answer.met, answer.missed, answer.regions.asked)
+    )
+    return Answer(answer.key, _renamed(answer.data, names), replace(answer.regions, asked=asked), met, missed)
+
+
+def _renamed(data: Any, names: Mapping[str, str]) -> Any:
+    """Data as `Memory.plain` gives it, with other paths."""
+    if isinstance(data, dict):
+        return {_PART: names.get(data[_PART], data[_PART])}
+    return [_renamed(each, names) for each in data] if isinstance(data, list) else data
+
+
 class Memory:
     """The answers that rows of a run share. It is used by many threads. Its pickle is without answers."""
 
@@ -82,6 +98,11 @@ class Memory:
         self._index = {key: part for part, key in enumerate(self._keys)}
         self._digests = {key: each.digest for key, each in snapshot.parts.items()}
         self._parts = list(snapshot.parts)
+        twice = Counter(self._digests.values())
+        self._own = {
+            key: ("", digest) if twice[digest] == 1 else (key, digest) for key, digest in self._digests.items()
+        }
+        """What questions call a part: its triangles and their place; with its path, where another one is equal."""
         seen = list(snapshot.parts.values())
         self._seen = seen
         self._bounds = np.array([each.box for each in seen]).reshape(-1, 2, 3)
@@ -102,21 +123,28 @@ class Memory:
             yield from (each.answer for each in rows.values())
 
     def key(self, kind: str, own: Sequence[int], facts: Any) -> str:
-        """The key of a question. own: parts that it moves; facts: all else that it depends on but for the scene."""
-        moved = [(self._keys[part], self._digests.get(self._keys[part], "")) for part in own]
-        said = repr((kind, moved, self.plain(facts)))
+        """The key of a question. own: parts that it moves; facts: all else that it depends on but for the scene. It
+        does not depend on paths."""
+        said = repr((kind, [self._known_as(part) for part in own], self._plain(facts, self._known_as)))
         return short(said.encode("utf-8", "surrogatepass"))
 
     def paths_of(self, parts: Iterable[int]) -> list[str]:
         """The paths of parts, as they are known here."""
         return [self._keys[part] for part in parts]
 
+    def _known_as(self, part: int) -> tuple[str, str]:
+        """What questions call a part."""
+        return self._own.get(self._keys[part], (self._keys[part], ""))
+
     def plain(self, data: Any) -> Any:
         """Data as JSON, parts by path."""
+        return self._plain(data, self._keys.__getitem__)
+
+    def _plain(self, data: Any, called: Callable[[int], Any]) -> Any:
         if isinstance(data, PartNumber):
-            return {_PART: self._keys[data]}
+            return {_PART: called(data)}
         if isinstance(data, (list, tuple)):
-            return [self.plain(each) for each in data]
+            return [self._plain(each, called) for each in data]
         if isinstance(data, np.ndarray):
             return data.tolist()
         if isinstance(data, (np.floating, np.integer, np.bool_)):

@@ -135,6 +135,8 @@ class MaintainRow:
     """What is new, and which changes it is from; empty if nothing is, or if there was no last run."""
     causes: tuple[MaintainChange, ...]
     """The changes of the mock-up that the difference to the last run is from."""
+    renamed_from: tuple[str, ...] = ()
+    """The paths in the last run of those wanted parts that have other ones now."""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON."""

@@ -43,9 +43,10 @@ from feeler.tasks.memory import Answer, Memory, carried
 from feeler.tasks.night_rows import Plan, Seeing
 from feeler.tasks.planning import task
 from feeler.tasks.reached import Reaching, TaskTools
+from feeler.tasks.recognising import Names, Recognised, recognised, renamed, retimed
 from feeler.tasks.regions import Regions, box_of
 from feeler.tasks.run import Maintenance, MaintenanceInterrupted, load_maintenance
-from feeler.tasks.snapshots import Changes, Snapshot, keys_of, scene_digest
+from feeler.tasks.snapshots import Changes, Seen, Snapshot, keys_of, parts_seen, scene_digest
 from feeler.tasks.steps import clock
 from feeler.tasks.stored_answers import StoredAnswers
 from feeler.tasks.times import Times, TimesLike
@@ -84,7 +85,8 @@ def maintain(
     - `parts`: a list, each entry as `Parts.select` takes it or a dict of `part`, `keep` and `people`; or the name of a
       CSV file with these columns.
     - `tools`, `times`, `seconds`, `seed`: as of `task`, for each row.
-    - `previous`: the last run, or the file that `Maintenance.save` wrote.
+    - `previous`: the last run, or the file that `Maintenance.save` wrote. It may be of a file with other paths: parts
+      are recognised by path, else by shape and place; `hints` and `renamed` of the run say which.
     - `eyes`: places of the eyes, `(k, 3)`, metres, world; without them 32 around each head, 0.35 m from it.
     - `threads`: rows worked on at a time without an executor; default: all cores.
     - `executor`: where they are worked on, as of `removals`.
@@ -105,8 +107,9 @@ def maintain(
     Ctrl-C raises `MaintenanceInterrupted` with the rows that are done. As `previous` of the next run they are not
     computed again, and its differences count from the run before.
 
-    Raises `LoadError` for a bad CSV file, with its line, or a file that is no run; `OptionError` for a bad list, and
-    for parts that are not there. What `task` raises for one row is its `error`.
+    Raises `LoadError` for a bad CSV file, with its line, or a file that is no run; `OptionError` for a bad list, for
+    parts that are not there, and if none of the parts of `previous` is recognised. What `task` raises for one row is
+    its `error`.
     """
     check_kind("scene", scene, Scene)
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
@@ -120,13 +123,11 @@ def maintain(
     tools = _tools(tools)
     Reaching(scene, tools, 1)  # it raises what is wrong with them
     before = _previous(previous)
-    if before is not None:
-        _check_comparable(before, scene)
     say = progress or (lambda _share, _stage: None)
     options = _digest(tools, table, limit, seed, places)
     is_here = pool is None or isinstance(pool, ThreadPoolExecutor)
     fixed = _Fixed(scene, say)
-    night = _Night(scene, wanted, options, fixed, before, tools is None, is_here)
+    night = _Night(scene, wanted, options, fixed, before, table, tools is None, is_here)
     if not night.jobs:
         return night.run({})
     asked = _Asked(tools, table, limit, seed, fixed.fasteners, fixed.held, places, night.memory)
@@ -171,16 +172,6 @@ def _tools(tools: TaskTools) -> TaskTools:
     return catalogue() if tools == BUILT_IN_TOOLS else catalogue(tools)
 
 
-def _check_comparable(before: Maintenance, scene: Scene) -> None:
-    """Raises `OptionError` if no part of the last run has a path of today: nothing would be compared, and said."""
-    there, here = list(before.snapshot.parts), keys_of(scene.mockup)
-    if there and here and not {*there} & {*here}:
-        raise OptionError(
-            f"previous is a run of other parts, such as {there[0]!r}, where this mock-up has {here[0]!r}: parts are "
-            "compared by path, which begins with the file's name; give the file the name that it had"
-        )
-
-
 def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance | None:
     if given is None or isinstance(given, Maintenance):
         return given
@@ -194,6 +185,7 @@ class _Fixed:
 
     def __init__(self, scene: Scene, say: Progress) -> None:
         self._scene, self._say = scene, say
+        self._parts: dict[str, Seen] | None = None
 
     @cached_property
     def fasteners(self) -> Fasteners:
@@ -208,14 +200,30 @@ class _Fixed:
         self._say(0.0, "looking at what they hold")
         return holds(self._scene, fasteners)
 
+    @cached_property
+    def digest(self) -> str:
+        """Of the scene."""
+        return scene_digest(self._scene)
+
+    def parts(self, runs: Sequence[Maintenance], version: str) -> dict[str, Seen]:
+        """The parts of the scene; those of a run that are as they were are not looked at again."""
+        if self._parts is None:
+            before = next((run.snapshot.parts for run in runs if run.options.get("version") == version), {})
+            self._parts = parts_seen(self._scene, before.values())
+        return self._parts
+
+    def recognised(self, run: Maintenance, runs: Sequence[Maintenance], version: str) -> Recognised | None:
+        """Which parts of a run these are; None if all are the same, in name, too."""
+        if run.snapshot.scene == self.digest:
+            return None
+        return recognised(run.snapshot.parts, self.parts(runs, version))
+
     def snapshot(self, runs: Sequence[Maintenance], version: str) -> Snapshot:
         """That of the scene: that of a run where all is as it was, else a new one."""
-        now = scene_digest(self._scene)
         for run in runs:
-            if run.snapshot.scene == now and run.options.get("version") == version:
+            if run.snapshot.scene == self.digest and run.options.get("version") == version:
                 return run.snapshot
-        before = next((run.snapshot.parts for run in runs if run.options.get("version") == version), {})
-        return Snapshot.of(self._scene, self.fasteners, self.held, before)
+        return Snapshot.of(self._scene, self.fasteners, self.held, self.parts(runs, version))
 
 
 @dataclass(frozen=True, eq=False)  # it may hold an array
@@ -397,25 +405,38 @@ class _Night:
         options: Mapping[str, str],
         fixed: _Fixed,
         before: Maintenance | None,
+        times: Times,
         is_bare: bool,
         is_here: bool,
     ) -> None:
-        """is_bare: there are no tools. is_here: workers share the memory of this process."""
+        """is_bare: there are no tools. is_here: workers share the memory of this process. Raises `OptionError` if the
+        run before is of another mock-up."""
         self._wanted, self._options = wanted, dict(options)
         self._keys = keys_of(scene.mockup)
         self._index = {key: part for part, key in enumerate(self._keys)}
         self._ids = _numbered([self._id(each) for each in wanted])
-        goes_on = before is not None and before.is_partial
-        self._base = before.base if before is not None and goes_on else before
-        runs = list({id(run): run for run in (before, self._base) if run is not None}.values())
-        self._snapshot = snapshot = fixed.snapshot(runs, self._options["version"])
-        self._changes = {id(run): Changes(run.snapshot, snapshot, is_bare) for run in runs}
+        base = before.base if before is not None and before.is_partial else before
+        given = list({id(run): run for run in (before, base) if run is not None}.values())
+        version = self._options["version"]
+        found = [fixed.recognised(run, given, version) for run in given]
+        paths: list[Names] = [{} if each is None else each.names for each in found]
+        runs = [renamed(run, some) for run, some in zip(given, paths, strict=True)]
+        self._names = {id(run): some for run, some in zip(runs, paths, strict=True)}
+        self._base = runs[-1] if base is not None else None
+        self._matched = found[-1] if base is not None else None
+        """How the parts of the run that it is compared with were recognised."""
+        self._retimed = retimed(times, self._matched.names) if self._matched is not None else frozenset[str]()
+        self._snapshot = snapshot = fixed.snapshot(runs, version)
+        self._changes = {
+            id(run): Changes(run.snapshot, snapshot, is_bare, retimed(times, self._names[id(run)])) for run in runs
+        }
         self._kept: dict[int, tuple[Plan, list[Seeing]]] = {}
         self.jobs: list[_Job] = []
         self._lower, self._upper = box_of(scene.mockup.part_bounds.reshape(-1, 2, 3))
         for number, each in enumerate(wanted):
             self._decide(number, each, runs)
-        self.hints = [hint for run in runs for hint in run.hints]
+        self.hints = [hint for run in runs if run.answers is None for hint in run.hints]
+        self.hints += self._matched.hints if self._matched is not None else []
         self._used: dict[str, tuple[str, ...]] = {}
         is_same = len(runs) == 1 and not self.jobs and runs[0].snapshot == snapshot
         self._same = runs[0].answers if is_same else None
@@ -469,7 +490,12 @@ class _Night:
         is_same = all(run.options.get(name) == self._options[name] for name in ("version", "tools", "times", "search"))
         changes = self._changes[id(run)]
         is_borne_on = changes.is_beyond or bool(changes.bearing_on(plan.regions))
-        return is_same and not plan.is_cut and not plan.error and not is_borne_on
+        return is_same and not plan.is_cut and not plan.error and not is_borne_on and not self._is_said_with(run, plan)
+
+    def _is_said_with(self, run: Maintenance, plan: Plan) -> bool:
+        """Whether a sentence of a row may have a path that is another one now: why a part is blocked is said so."""
+        now = {*self._names[id(run)].values()}
+        return not plan.is_out and not now.isdisjoint([*plan.looked, *plan.blockers, *plan.regions.asked])
 
     def run(self, answers: Mapping[int, _Row]) -> Maintenance:
         """The run, with the answers to some jobs."""
@@ -503,6 +529,8 @@ class _Night:
             is_partial=bool(missing),
             answers=self._answers(used),
             hints=self.hints,
+            renamed={} if self._matched is None else self._matched.before,
+            retimed=self._retimed,
         )
 
     def _answers(self, used: Mapping[str, Sequence[str]]) -> StoredAnswers | None:

@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, overload
 
 import numpy as np
@@ -52,19 +53,25 @@ class Maintenance(Sequence[MaintainRow]):
         is_partial: bool,
         answers: StoredAnswers | None = None,
         hints: Sequence[str] = (),
+        renamed: Mapping[str, str] = MappingProxyType({}),
+        retimed: frozenset[str] = frozenset(),
     ) -> None:
         """As `maintain` makes it. Keys of plans: the paths, kept parts and people of each row."""
         self.answers = answers
         """What the next run need not ask again."""
         self.hints = tuple(hints)
-        """What kept answers of the last run from being used."""
+        """What kept answers of the last run from being used, and how its parts were recognised if paths changed."""
+        self.renamed = dict(renamed)
+        """The path in the last run of each part that has another one now, by its path now."""
+        self.retimed = retimed
+        """Those of them for which the table of times has other entries."""
         self.names, self.own_paths, self.plans, self.kept = dict(names), dict(paths), plans, kept
         self.options, self.snapshot, self.is_partial = dict(options), snapshot, is_partial
         self.base = None if base is None else base._alone()
         """The run that it is compared with."""
         self.changes: tuple[MaintainChange, ...] = ()
         """What changed of the parts since then."""
-        changes = None if base is None else Changes(base.snapshot, snapshot)
+        changes = None if base is None else Changes(base.snapshot, snapshot, retimed=retimed)
         if changes is not None:
             self.changes = tuple(changes)
         self._rows = tuple(self._row(key, changes) for key in plans)
@@ -74,7 +81,7 @@ class Maintenance(Sequence[MaintainRow]):
         if self.base is None:
             return self
         rest = (self.kept, self.options, self.snapshot, None, self.is_partial, self.answers)
-        return Maintenance(self.names, self.own_paths, self.plans, *rest)
+        return Maintenance(self.names, self.own_paths, self.plans, *rest, renamed=self.renamed)
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -99,6 +106,8 @@ class Maintenance(Sequence[MaintainRow]):
         text = f"{out:,} of {len(self):,} come out"
         if self.base is not None:
             text += f", {sum(bool(row.change) for row in self):,} changed, {kept:,} kept"
+        if self.renamed:
+            text += f", {plural(len(self.renamed), 'part')} renamed"
         missing = len(self.names) - len(self)
         return text + (f", interrupted: {plural(missing, 'row')} missing" if self.is_partial else "")
 
@@ -138,6 +147,8 @@ class Maintenance(Sequence[MaintainRow]):
             "is_partial": self.is_partial,
             "rows": [row.to_dict() for row in self],
             "changes": [change.to_dict() for change in self.changes],
+            "renamed": self.renamed,
+            "retimed": sorted(self.retimed),
             "options": self.options,
             "names": self.names,
             "paths": {key: list(paths) for key, paths in self.own_paths.items()},
@@ -165,15 +176,18 @@ class Maintenance(Sequence[MaintainRow]):
             Snapshot.from_dict(data["snapshot"]),
             None if base is None else cls._from_dict(base),
             bool(data["is_partial"]),
+            renamed={str(now): str(then) for now, then in data.get("renamed", {}).items()},
+            retimed=frozenset(map(str, data.get("retimed", []))),
         )
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Writes a page with the rows, changed ones first. It loads nothing. Raises `WriteError`."""
-        write_html(path, self.said, self.by_change, self.changes, self.is_partial)
+        write_html(path, self.said, self.by_change, self.changes, self.is_partial, self.renamed)
 
     def to_xlsx(self, path: str | os.PathLike[str]) -> None:
-        """Writes a workbook: rows and changes. Needs `feeler[xlsx]`. Raises `WriteError`, `OptionError`."""
-        write_xlsx(path, self.by_change, self.changes)
+        """Writes a workbook: rows, changes and renamed parts. Needs `feeler[xlsx]`. Raises `WriteError`,
+        `OptionError`."""
+        write_xlsx(path, self.by_change, self.changes, self.renamed)
 
     def _row(self, key: str, changes: Changes | None) -> MaintainRow:
         plan, seen = self.plans[key]
@@ -202,6 +216,7 @@ class Maintenance(Sequence[MaintainRow]):
             is_slower=is_slower,
             change=text,
             causes=causes,
+            renamed_from=tuple(self.renamed[each] for each in self.own_paths.get(key, ()) if each in self.renamed),
         )
 
     def _compared(
@@ -241,7 +256,15 @@ class Maintenance(Sequence[MaintainRow]):
             is_free = then not in self.plans and base.names.get(then) == self.names.get(key)
             if is_free and now is not None and _common(then, self.snapshot.parts) == now:
                 return then
-        return None
+        return next((then for then in base.plans if self._is_named(then, key, base)), None)
+
+    def _is_named(self, then: str, key: str, base: Maintenance) -> bool:
+        """Whether a row before is of the same paths: parts have changed their places, and the list names paths."""
+        before, now = (_common(each, _Every()) for each in (then, key))
+        if before is None or now is None or then in self.plans or base.names.get(then) != self.names.get(key):
+            return False
+        parts, keep = ({self.renamed.get(each, each) for each in some} for some in before[:2])
+        return (parts, keep, before[2]) == now
 
 
 class MaintenanceInterrupted(KeyboardInterrupt):
@@ -303,6 +326,13 @@ def _given(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
     said += ["another version of feeler runs"] if "version" in names else []
     said += ["the search has other limits"] if "search" in names else []
     return said
+
+
+class _Every:
+    """Contains all."""
+
+    def __contains__(self, _: object) -> bool:
+        return True
 
 
 def _common(key: str, there: Container[str]) -> tuple[set[str], set[str], int] | None:

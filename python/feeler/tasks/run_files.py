@@ -6,7 +6,7 @@ import datetime
 import io
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from feeler.atomic import atomic_file
@@ -32,7 +32,7 @@ tr.other td:first-child { border-left: 4px solid #38f; }
 _CREATED = datetime.datetime(1980, 1, 1)
 """Fixed, so that equal runs give equal bytes."""
 _MOST_CHANGES = 500
-_WIDE = {"part", "paths", "change", "why", "tools", "path", "causes", "hidden fasteners"}
+_WIDE = {"part", "paths", "change", "why", "tools", "path", "causes", "hidden fasteners", "renamed from"}
 
 
 def write_html(
@@ -41,8 +41,9 @@ def write_html(
     rows: Sequence[MaintainRow],
     changes: Sequence[MaintainChange],
     is_partial: bool,
+    renamed: Mapping[str, str],
 ) -> None:
-    """Writes the page. Raises `WriteError`."""
+    """Writes the page. renamed: paths of the last run by those of today. Raises `WriteError`."""
     changed = [row for row in rows if row.change or row.state == "failed"]
     rest = [row for row in rows if not (row.change or row.state == "failed")]
     page = [
@@ -55,6 +56,7 @@ def write_html(
         *(["<h2>Changed</h2>", *_table(changed)] if changed else []),
         *(["<h2>As before</h2>" if changed else "<h2>Parts</h2>", *_table(rest)] if rest else []),
         *_changes(changes),
+        *_renamed(renamed),
         "</body></html>",
     ]
     with atomic_file(path, ".html") as file:
@@ -70,6 +72,12 @@ def why(row: MaintainRow) -> str:
     return row.said + (f"; in the way: {', '.join(row.blockers[:5])}" if row.blockers else "")
 
 
+def renamed_from(row: MaintainRow) -> str:
+    """Which paths the parts of a row had in the last run; empty if they are the same."""
+    first, more = row.renamed_from[:1], len(row.renamed_from) - 1
+    return "".join(f"renamed from {each}" for each in first) + (f" and {more:,} more" if more > 0 else "")
+
+
 def _table(rows: Iterable[MaintainRow]) -> list[str]:
     heads = ("part", "state", "time", "low", "high", "steps", "tools", "reach", "sight", "change")
     numbers = {2, 3, 4, 5, 7, 8}
@@ -81,6 +89,7 @@ def _table(rows: Iterable[MaintainRow]) -> list[str]:
         kind = "worse" if row.is_slower or row.state == "failed" else "better" if row.delta < 0.0 else "other"
         paths = escape(", ".join(row.paths[:5]) + (f" and {len(row.paths) - 5} more" if len(row.paths) > 5 else ""))
         name = escape(row.name) + (f'<div class="small">{paths}</div>' if row.paths != (row.name,) else "")
+        name += f'<div class="small">{escape(said)}</div>' if (said := renamed_from(row)) else ""
         reason = why(row)
         state = escape(row.state) + (f'<div class="small">{escape(reason)}</div>' if reason else "")
         causes = "; ".join(str(each) for each in row.causes[:8])
@@ -120,8 +129,23 @@ def _changes(changes: Sequence[MaintainChange]) -> list[str]:
     return ["<h2>Parts that changed</h2>", "<table><tr><th>part</th><th>what</th></tr>", *rows, "</table>", *note]
 
 
-def write_xlsx(path: str | os.PathLike[str], rows: Sequence[MaintainRow], changes: Sequence[MaintainChange]) -> None:
-    """Writes sheets of the rows and of the parts that changed. Text is never a formula.
+def _renamed(renamed: Mapping[str, str]) -> list[str]:
+    if not renamed:
+        return []
+    some = sorted(renamed.items())[:_MOST_CHANGES]
+    rows = [f"<tr><td>{escape(now)}</td><td>{escape(then)}</td></tr>" for now, then in some]
+    more = len(renamed) - len(some)
+    note = [f"<p>{more:,} more are in the JSON file.</p>"] if more > 0 else []
+    return ["<h2>Renamed parts</h2>", "<table><tr><th>part</th><th>renamed from</th></tr>", *rows, "</table>", *note]
+
+
+def write_xlsx(
+    path: str | os.PathLike[str],
+    rows: Sequence[MaintainRow],
+    changes: Sequence[MaintainChange],
+    renamed: Mapping[str, str],
+) -> None:
+    """Writes sheets of the rows, of the parts that changed, and of those with other paths. Text is never a formula.
 
     Raises `WriteError`, and `OptionError` if XlsxWriter is not installed.
     """
@@ -133,7 +157,7 @@ def write_xlsx(path: str | os.PathLike[str], rows: Sequence[MaintainRow], change
         try:
             book.set_properties({"title": "Maintenance", "created": _CREATED})
             bold = book.add_format({"bold": True, "bottom": 1})
-            for name, heads, lines in _sheets(rows, changes):
+            for name, heads, lines in _sheets(rows, changes, renamed):
                 sheet = book.add_worksheet(name)
                 sheet.freeze_panes(1, 0)
                 for column, head in enumerate(heads):
@@ -148,7 +172,7 @@ def write_xlsx(path: str | os.PathLike[str], rows: Sequence[MaintainRow], change
 
 
 def _sheets(
-    rows: Sequence[MaintainRow], changes: Sequence[MaintainChange]
+    rows: Sequence[MaintainRow], changes: Sequence[MaintainChange], renamed: Mapping[str, str]
 ) -> Iterable[tuple[str, Sequence[str], list[Sequence[Cell]]]]:
     heads = ("part", "paths", "state", "seconds", "low, s", "high, s", "steps", "fasteners", "tools", "reach, deg")
     lines: list[Sequence[Cell]] = [
@@ -161,3 +185,5 @@ def _sheets(
     ]
     yield "rows", (*heads, "sight", "hidden fasteners", "more, s", "change", "causes", "why", "kept"), lines
     yield "changes", ("path", "what"), [(each.path, each.what) for each in changes]
+    if renamed:
+        yield "renamed", ("path", "renamed from"), [(now, then) for now, then in sorted(renamed.items())]

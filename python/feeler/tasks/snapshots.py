@@ -8,7 +8,6 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -27,7 +26,7 @@ from feeler.tasks.regions import Regions, leaves
 from feeler.tasks.times import Times
 
 Floats = npt.NDArray[np.float64]
-What = Literal["added", "removed", "moved", "changed shape", "is held otherwise"]
+What = Literal["added", "removed", "moved", "changed shape", "is held otherwise", "renamed"]
 
 STEP_M = 1e-6
 """Boxes around triangles are rounded outwards to this, metres."""
@@ -47,10 +46,11 @@ class MaintainChange:
     path: str
     """The part."""
     what: What
-    """"is held otherwise": it stayed, but another part holds it, or it holds others."""
+    """"is held otherwise": it stayed, but another part holds it, or it holds others. "renamed": the table of times has
+    other entries for its new path; other new paths change nothing, and are no change."""
 
     def __str__(self) -> str:
-        verb = {"added": "was added", "removed": "was removed"}.get(self.what, self.what)
+        verb = {each: f"was {each}" for each in ("added", "removed", "renamed")}.get(self.what, self.what)
         return f"{self.path} {verb}"
 
     def to_dict(self) -> dict[str, str]:
@@ -70,6 +70,8 @@ class Seen:
     """Lower and upper corner, metres."""
     surface: tuple[float, ...]
     """Boxes around its triangles, six numbers each."""
+    middle: tuple[float, float, float] | None = None
+    """The centroid of its surface, metres, by which it is recognised under another path; None in older files."""
 
     @property
     def bounds(self) -> Floats:
@@ -106,15 +108,12 @@ class Snapshot:
     """The digest of all that the scene is made of: `scene_digest`."""
 
     @classmethod
-    def of(
-        cls, scene: Scene, fasteners: Fasteners, held: Holds, before: Mapping[str, Seen] = MappingProxyType({})
-    ) -> Snapshot:
-        """That of a scene. before: the parts of an earlier one; those that are as they were are taken from it."""
+    def of(cls, scene: Scene, fasteners: Fasteners, held: Holds, seen: Mapping[str, Seen] | None = None) -> Snapshot:
+        """That of a scene. seen: its parts, as `parts_seen` gives them; None: they are looked at."""
         mockup = scene.mockup
         keys = keys_of(mockup)
-        present = np.flatnonzero(scene.part_mask).tolist()
-        meshes, bounds = PartMeshes(mockup), mockup.part_bounds.reshape(-1, 2, 3)
-        seen = {keys[n]: _seen(meshes.corners(n), bounds[n], before.get(keys[n])) for n in present}
+        if seen is None:
+            seen = parts_seen(scene)
         table: Any = Times()  # it is not asked
         fixings = Fixings(scene, fasteners, held, table)
         rows = {row.part: row for row in fasteners}
@@ -141,6 +140,7 @@ class Snapshot:
                 key: [each.digest, list(each.measure), _numbers(each.box), _numbers(each.surface)]
                 for key, each in self.parts.items()
             },
+            "middles": {key: list(each.middle) for key, each in self.parts.items() if each.middle is not None},
             "held": {key: [each.facts, sorted(each.joins), list(each.mates)] for key, each in self.held.items()},
             "axes": [list(axis) for axis in self.axes],
             "scene": self.scene,
@@ -150,12 +150,14 @@ class Snapshot:
     def from_dict(cls, data: Mapping[str, Any]) -> Snapshot:
         """What `to_dict` gave. Raises `KeyError`, `TypeError`, `ValueError` for other data."""
         parts = {}
+        middles = data.get("middles", {})
         for key, (digest, measure, *boxes) in data["parts"].items():
             count, area, edges = measure
             box, surface = (tuple(math.nan if value is None else float(value) for value in each) for each in boxes)
             if len(box) != 6 or len(surface) % 6:
                 raise ValueError("a box has six numbers")
-            parts[str(key)] = Seen(str(digest), (float(count), float(area), float(edges)), box, surface)
+            middle = _point(middles[key]) if key in middles else None
+            parts[str(key)] = Seen(str(digest), (float(count), float(area), float(edges)), box, surface, middle)
         held = {
             str(key): Held(str(facts), frozenset(map(str, joins)), tuple(map(str, mates)))
             for key, (facts, joins, mates) in data["held"].items()
@@ -167,8 +169,11 @@ class Snapshot:
 class Changes(Sequence[MaintainChange]):
     """What changed from one snapshot to the next, and on which rows it bears."""
 
-    def __init__(self, old: Snapshot, new: Snapshot, is_bare: bool = False) -> None:
-        """is_bare: without tools, rows do not look at each fastener that they count on."""
+    def __init__(
+        self, old: Snapshot, new: Snapshot, is_bare: bool = False, retimed: frozenset[str] = frozenset()
+    ) -> None:
+        """is_bare: without tools, rows do not look at each fastener that they count on. retimed: parts of both whose
+        new paths have other times."""
         self._seen: dict[str, list[Seen]] = {}
         self._joined: dict[str, frozenset[str]] = {}
         rows: list[MaintainChange] = []
@@ -177,9 +182,9 @@ class Changes(Sequence[MaintainChange]):
             what = _what(before, now)
             lost, gained = old.held.get(key), new.held.get(key)
             is_other = lost != gained or any(old.held.get(each) != new.held.get(each) for each in _mates(lost, gained))
-            if what is None and not is_other:
+            if what is None and not is_other and key not in retimed:
                 continue
-            rows.append(MaintainChange(key, what or _OTHERWISE))
+            rows.append(MaintainChange(key, what or (_OTHERWISE if is_other else "renamed")))
             self._seen[key] = [each for each in (before, now) if each is not None]
             if is_other:
                 joins = [frozenset[str]() if each is None else each.joins for each in (lost, gained)]
@@ -189,9 +194,9 @@ class Changes(Sequence[MaintainChange]):
         common = old.parts.keys() & new.parts.keys()
         is_mixed = [key for key in old.parts if key in common] != [key for key in new.parts if key in common]
         is_same_box = np.array_equal(old.bounds, new.bounds, equal_nan=True)
-        self.is_beyond = is_mixed or not is_same_box or old.axes != new.axes
-        """Whether it bears on all rows: parts come in another order, or the box of all or its axes are others, by which
-        directions are put in order."""
+        self.is_beyond = is_mixed or not is_same_box or old.axes != new.axes or bool(retimed)
+        """Whether it bears on all rows: parts come in another order, the box of all or its axes are others, by which
+        directions are put in order, or new paths have other times."""
         rooms = [np.stack(room_of(*each.bounds)) for each in (old, new)]
         self.is_other = is_mixed or not np.array_equal(rooms[0], rooms[1], equal_nan=True)
         """Whether it bears on all answers: parts come in another order, or casts end elsewhere."""
@@ -243,6 +248,15 @@ def scene_digest(scene: Scene) -> str:
     return digest.hexdigest()
 
 
+def parts_seen(scene: Scene, before: Iterable[Seen] = ()) -> dict[str, Seen]:
+    """The parts of a scene by path, as `keys_of`. before: parts of an earlier run; those with the same triangles in the
+    same places are taken from it."""
+    mockup = scene.mockup
+    keys, known = keys_of(mockup), {each.digest: each for each in before}
+    meshes, bounds = PartMeshes(mockup), mockup.part_bounds.reshape(-1, 2, 3)
+    return {keys[n]: _seen(meshes.corners(n), bounds[n], known) for n in np.flatnonzero(scene.part_mask).tolist()}
+
+
 def keys_of(mockup: Mockup) -> list[str]:
     """The path of each part; the second of a path is `path#2`, and so on."""
     count: Counter[str] = Counter()
@@ -267,20 +281,36 @@ def _what(before: Seen | None, now: Seen | None) -> What | None:
     return "moved" if is_alike else "changed shape"
 
 
-def _seen(corners: Floats, bounds: Floats, before: Seen | None) -> Seen:
-    """A part with triangles `(k, 3, 3)` and a box `(2, 3)`."""
+def _seen(corners: Floats, bounds: Floats, known: Mapping[str, Seen]) -> Seen:
+    """A part with triangles `(k, 3, 3)` and a box `(2, 3)`. known: parts by digest."""
     digest = hashlib.blake2b(np.ascontiguousarray(corners).tobytes(), digest_size=12).hexdigest()
     box = tuple(float(value) for value in bounds.ravel())
-    if before is not None and (before.digest, before.box) == (digest, box):
+    before = known.get(digest)
+    if before is not None and before.box == box and before.middle is not None:
         return before
     with np.errstate(invalid="ignore", over="ignore"):
         sides = corners[:, [1, 2, 0]] - corners
-        area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
+        areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        area, middle = areas.sum(), corners.mean(axis=1).T @ areas
         edges = np.linalg.norm(sides, axis=2).sum()
     around = leaves(corners)
     surface = np.stack([np.floor(around[:, 0] / STEP_M), np.ceil(around[:, 1] / STEP_M)], axis=1) * STEP_M
     rounded = tuple(np.round(surface, _DECIMALS).ravel().tolist())
-    return Seen(digest, (float(len(corners)), _finite(area), _finite(edges)), box, rounded)
+    return Seen(
+        digest, (float(len(corners)), _finite(area), _finite(edges)), box, rounded, _centroid(middle, area, bounds)
+    )
+
+
+def _centroid(moment: Floats, area: float, bounds: Floats) -> tuple[float, float, float]:
+    """That of a surface with an area and a moment `(3,)`; without area that of its box `(2, 3)`, or the origin."""
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        places = moment / area, bounds.mean(axis=0), np.zeros(3)
+    return _point(next(each for each in places if np.isfinite(each).all()).round(_DECIMALS).tolist())
+
+
+def _point(values: Sequence[Any]) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
 
 
 def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Sequence[str]) -> Held:

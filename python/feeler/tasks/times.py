@@ -270,6 +270,11 @@ def _matching(table: Mapping[str, Any], path: str) -> Any:
     return next((value for name, value in table.items() if _is_named(path, name)), None)
 
 
+def entries_for(times: Times, path: str) -> tuple[Any, Any]:
+    """The pitch and the typed time that a table has for a path; None where it has none."""
+    return _matching(times.pitches_mm, path), _matching(times.typed, path)
+
+
 def idle_patterns(times: Times, paths: Iterable[str]) -> tuple[str, ...]:
     """The patterns of a table that match none of some paths."""
     every = list(paths)

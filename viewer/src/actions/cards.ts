@@ -24,6 +24,7 @@ export async function ask(
   without: readonly number[] = [],
   tools: readonly string[] | null = null,
   people = 1,
+  is_of_catalogue = false,
 ): Promise<void> {
   const { store } = wb;
   if (parts.length === 0 && question !== "access") {
@@ -38,6 +39,7 @@ export async function ask(
     ...(without.length > 0 ? { without: [...without] } : {}),
     ...(people > 1 ? { people } : {}),
     ...(tools !== null ? { tools: [...tools] } : {}),
+    ...(is_of_catalogue ? { catalogue: true } : {}),
   };
   // A double click asks once.
   if (isSame(given, asking)) return;
@@ -53,11 +55,11 @@ export async function ask(
   if (newest) await openCard(wb, newest.id);
 }
 
-/** Asks which of all tools reach the fasteners among the selected parts; without a selection, all fasteners. */
-export function askTools(wb: Workbench): Promise<void> {
-  const tools = wb.store.document.peek()?.tools ?? [];
-  return ask(wb, "access", wb.targets(), [], tools.length > 0 ? tools : null);
-}
+/**
+ * Asks which tools reach the fasteners among the selected parts; without a selection, all fasteners. Opened tools are
+ * tried first, then those of the catalogue.
+ */
+export const askTools = (wb: Workbench): Promise<void> => ask(wb, "access", wb.targets(), [], null, 1, true);
 
 /** Shows a card with its whole answer; a film of parts that are still there stands at its start. */
 export async function openCard(wb: Workbench, id: number | null): Promise<void> {
@@ -113,6 +115,7 @@ function forget(wb: Workbench, id: number): void {
   const { store } = wb;
   store.answers.value = new Map([...store.answers.peek()].filter(([each]) => each !== id));
   if (store.film.peek()?.card === id) store.film.value = null;
+  if (store.card.peek() === id) store.reach.value = null;
   wb.stage.setRoom(null);
 }
 
@@ -187,12 +190,12 @@ export function showPart(wb: Workbench, part: number): void {
   wb.fit([part]);
 }
 
-/** Puts the tool into its seat on a fastener that it reaches, and looks at it. */
+/** Puts the tool into its seat on a fastener that it reaches, and looks at it. One of the catalogue is drawn there. */
 export async function seatTool(wb: Workbench, reach: Reach): Promise<void> {
   const { store } = wb;
   store.reach.value = reach;
   if (reach.part !== null) wb.select([reach.part]);
-  if (reach.is_reachable) {
+  if (reach.is_reachable && !reach.is_catalogue) {
     const held = store.document.peek()?.tool?.name;
     if (held !== reach.tool) await wb.run("take_tool", { name: reach.tool });
     await wb.run("seat", { pose: [...reach.pose] });

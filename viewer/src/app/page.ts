@@ -37,6 +37,7 @@ import { followStore } from "./effects";
 import { followFilm } from "./film";
 import { followFindings, takeRows } from "./follow-findings";
 import { followJoints } from "./follow-joints";
+import { followReach } from "./follow-reach";
 import { followRecord } from "./follow-record";
 import { followTask } from "./follow-task";
 import { Loop } from "./loop";
@@ -132,6 +133,7 @@ export class Page {
     followOutlines(this.wb, this.loop);
     followFilm(this.wb, this.loop);
     followJoints(this.wb, this.loop);
+    followReach(this.wb, this.loop);
     followTask(this.wb, this.loop);
     followRecord(this.wb);
     followPeople(this.wb, this.loop);

@@ -49,15 +49,16 @@ function mark(states: Uint8Array, parts: Iterable<number>, bit: number): void {
 /** As `feeler clash --html` draws them: the first part blue, the second orange. */
 const TINTS = [0x4580cc, 0xff850d] as const;
 
-/** Heads of fasteners by the answer: reached, partly or not. */
+/** Heads of fasteners by the answer: reached; reached without room for a hand, or not far enough; not reached. */
 export const REACHED = { yes: 0x5fbf6b, partly: 0xe0b040, no: 0xd9583f } as const;
 
 /** The colours of fasteners in an answer of access. */
 export function reachTints(reaches: CardAnswer["reaches"]): Map<number, number> {
   const tints = new Map<number, number>();
-  for (const { part, is_reachable, swing_deg } of reaches) {
+  for (const { part, is_reachable, has_hand, swing_deg } of reaches) {
     if (part === null) continue;
-    tints.set(part, is_reachable ? REACHED.yes : swing_deg > 0 ? REACHED.partly : REACHED.no);
+    const isPartly = is_reachable ? has_hand === false : swing_deg > 0;
+    tints.set(part, isPartly ? REACHED.partly : is_reachable ? REACHED.yes : REACHED.no);
   }
   return tints;
 }

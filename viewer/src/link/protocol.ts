@@ -564,10 +564,21 @@ export interface ReachFacts {
   readonly part: number | null;
   readonly name: string;
   readonly kind: string;
-  /** The one that swings farthest; the other figures are of it. */
+  /**
+   * The one that swings farthest, or the first of the catalogue; the other figures are of it. If none reaches, the
+   * one that came nearest; empty: none fits.
+   */
   readonly tool: string;
-  /** All that reach it, of those that were tried. */
+  /** All that reach it, of those that were tried; of a catalogue the first. */
   readonly tools: readonly string[];
+  /** It is a tool, or a chain, of the catalogue. */
+  readonly is_catalogue: boolean;
+  /** Its drive and width, in words; empty: the mesh does not show them. */
+  readonly head: string;
+  /** For one turn; null: it is not reached, or not known. */
+  readonly strokes: number | null;
+  /** Whether a hand fits at the grip; null: not asked. */
+  readonly has_hand: boolean | null;
   readonly is_reachable: boolean;
   readonly swing_deg: number;
   readonly because: string;
@@ -639,7 +650,7 @@ export interface TaskAnswer {
   readonly notes: readonly string[];
 }
 
-/** The tool of a step in its seat. */
+/** A tool in its seat. */
 export interface ToolGhost {
   /** In the world's frame. */
   readonly manifest: HeldManifest;
@@ -848,7 +859,7 @@ export interface Card {
   readonly parts: readonly number[];
   /** Parts left out for this question. */
   readonly without: readonly number[];
-  /** Tool, tools, people, grip, swing_deg, clearance, seconds, as far as given. */
+  /** Tool, tools, catalogue, people, grip, swing_deg, clearance, seconds, as far as given. */
   readonly options: Readonly<Record<string, unknown>>;
   readonly title: string;
   /** The mock-up that it is about: what is out of it, or moved. */
@@ -1435,6 +1446,7 @@ export interface Commands {
     readonly without?: Selection;
     readonly tool?: string;
     readonly tools?: readonly string[];
+    readonly catalogue?: boolean;
     readonly grip?: string;
     readonly swing_deg?: number;
     readonly clearance?: number;
@@ -1528,6 +1540,11 @@ export interface Questions {
   /** The tool of a step of a task in its seat; None: the step has none. */
   readonly task_tool: {
     readonly args: { readonly id: number; readonly step: number };
+    readonly answer: ToolGhost | null;
+  };
+  /** The tool of a row of access in its seat, with the hand if one fits; None: the row has none of the catalogue. */
+  readonly reach_tool: {
+    readonly args: { readonly id: number; readonly row: number };
     readonly answer: ToolGhost | null;
   };
   /** What is seen of the fastener of a step of a task before it is undone; None: the step has none. */

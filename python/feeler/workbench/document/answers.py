@@ -217,9 +217,18 @@ class ReachFacts(TypedDict):
     name: str
     kind: str
     tool: str
-    """The one that swings farthest; the other figures are of it."""
+    """The one that swings farthest, or the first of the catalogue; the other figures are of it. If none reaches, the
+    one that came nearest; empty: none fits."""
     tools: list[str]
-    """All that reach it, of those that were tried."""
+    """All that reach it, of those that were tried; of a catalogue the first."""
+    is_catalogue: bool
+    """It is a tool, or a chain, of the catalogue."""
+    head: str
+    """Its drive and width, in words; empty: the mesh does not show them."""
+    strokes: int | None
+    """For one turn; null: it is not reached, or not known."""
+    has_hand: bool | None
+    """Whether a hand fits at the grip; null: not asked."""
     is_reachable: bool
     swing_deg: float
     because: str
@@ -296,7 +305,7 @@ class TaskAnswer(TypedDict):
 
 
 class ToolGhost(TypedDict):
-    """The tool of a step in its seat."""
+    """A tool in its seat."""
 
     manifest: HeldManifest
     """In the world's frame."""

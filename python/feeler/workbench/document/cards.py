@@ -21,7 +21,7 @@ from feeler.words import plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.arguments import Arguments, replaced, without
-from feeler.workbench.document.document import NO_EDIT, Card, Document, Removal, line_world
+from feeler.workbench.document.document import NO_EDIT, Card, Document, Removal, TaskEdits, line_world
 from feeler.workbench.document.known import Known, Way
 from feeler.workbench.document.protocol import CardQuestion, GivenWay, Pose, Selection
 from feeler.workbench.document.values import is_sequence
@@ -32,9 +32,10 @@ LONGEST_S = 3600.0
 MOST_PEOPLE = 20
 _NOT_OF = {
     "access": ("clearance", "seconds", "people"),
-    "task": ("tool", "grip", "swing_deg", "clearance"),
+    "catalogue": ("tool", "grip", "seconds", "people"),
+    "task": ("tool", "grip", "swing_deg", "clearance", "catalogue"),
 }
-"""Options that a question does not have; others have none of the tools."""
+"""Options that a question does not have; others have none of the tools. "catalogue": of access, with one."""
 _MOST_POSES = 20_000
 _GRID_M = 2.0**-10
 
@@ -86,21 +87,30 @@ def tasks_of(document: Document) -> list[Card]:
 
 
 def tasks_again(document: Document, known: Callable[[], Known]) -> Document:
-    """The document with the questions of tasks asked again whose edits changed, as by undo."""
+    """The document with the questions of tasks asked again whose edits changed, as by undo; and those of access whose
+    catalogue did."""
     waiting = []
     for card in document.cards:
-        edits = replace(
-            document.task_edits.get(card.id, NO_EDIT),
-            table=document.task_times.digest,
-            catalogue="" if "tools" in card.options else document.task_catalogue.digest,
-        )
-        if card.question == "task" and card.edits != edits:
+        edits = _edits_of(document, card)
+        if card.edits != edits:
             here = known()
             gone = {*here.absent, *document.out, *document.gripped}
-            if any(part not in gone for part in card.parts):
+            if not card.parts or any(part not in gone for part in card.parts):
                 card = replace(_waiting(document, card, here), edits=edits)
         waiting.append(card)
     return document if all(map(operator.is_, waiting, document.cards)) else replace(document, cards=tuple(waiting))
+
+
+def _edits_of(document: Document, card: Card) -> TaskEdits:
+    """What the answer of a card has to be about."""
+    catalogue = document.task_catalogue.digest
+    if card.question == "task":
+        return replace(
+            document.task_edits.get(card.id, NO_EDIT),
+            table=document.task_times.digest,
+            catalogue="" if "tools" in card.options else catalogue,
+        )
+    return replace(NO_EDIT, catalogue=catalogue) if "catalogue" in card.options else card.edits
 
 
 def card_again(document: Document, given: Arguments, known: Known) -> Document:
@@ -226,7 +236,9 @@ def _taken(document: Document, way: Way, given: Arguments, known: Known) -> Docu
 
 def _options(document: Document, given: Arguments, known: Known, question: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for each in _NOT_OF.get(question, ("tool", "tools", "grip", "swing_deg", "people")):
+    is_chosen = question == "access" and given.has("catalogue") and given.flag("catalogue")
+    others = ("tool", "tools", "grip", "swing_deg", "people", "catalogue")
+    for each in _NOT_OF.get("catalogue" if is_chosen else question, others):
         if given.has(each):
             raise given.fail(each, f"this question has no {each}", "leave it out")
     if given.has("clearance"):
@@ -241,9 +253,11 @@ def _options(document: Document, given: Arguments, known: Known, question: str) 
             found["people"] = given.whole("people", 1, MOST_PEOPLE)
     if question != "access":
         return found
+    if is_chosen:
+        found["catalogue"] = True
     if given.has("tools"):
         found["tools"] = _tools(given, known)
-    else:
+    elif not is_chosen:
         name = given.choice("tool", known.tools) if given.has("tool") else document.tool and document.tool.name
         if name is None:
             raise given.fail("tool", "the hand holds no tool", f"name one: {', '.join(list(known.tools)[:8])}")
@@ -290,7 +304,7 @@ def given_ways(given: Arguments, known: Known) -> tuple[Way, ...]:
 def _title(question: str, parts: tuple[int, ...], options: dict[str, Any], known: Known) -> str:
     group = _group(parts, known)
     what, is_one = group or named(parts, known), len(parts) == 1 or group != ""
-    if question == "access" and "tools" in options:
+    if question == "access" and ("tools" in options or "catalogue" in options):
         return f"Which tool reaches {what or 'which fasteners'}?"
     if question == "access":
         return f"Does the {options['tool']} reach {what or 'all fasteners'}?"

@@ -463,6 +463,7 @@ ASKED: Shape = {
     "without": Maybe(Selection),
     "tool": Maybe(str),
     "tools": Maybe(list[str]),
+    "catalogue": Maybe(bool),
     "grip": Maybe(str),
     "swing_deg": Maybe(float),
     "clearance": Maybe(float),

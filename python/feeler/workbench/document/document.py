@@ -365,7 +365,7 @@ NO_EDIT = TaskEdits()
 class Card:
     """A question about parts, and its answer in a sentence.
 
-    without: parts left out for this question. options: tool, grip, swing_deg, clearance, seconds, as far as given.
+    without: parts left out for this question. options: tool, tools, catalogue, grip and so on, as far as given.
     setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
     is_good: whether the answer is what one hopes for; None before it, and if it is neither. line: the line of the
     sequence that it is about, and way its `way_key`; world is that of `line_world` then. is_earlier: it is about an

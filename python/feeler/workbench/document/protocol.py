@@ -249,7 +249,7 @@ class Card(TypedDict):
     without: list[int]
     """Parts left out for this question."""
     options: dict[str, Any]
-    """Tool, tools, people, grip, swing_deg, clearance, seconds, as far as given."""
+    """Tool, tools, catalogue, people, grip, swing_deg, clearance, seconds, as far as given."""
     title: str
     setting: str
     """The mock-up that it is about: what is out of it, or moved."""

@@ -7,17 +7,14 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from feeler.choices import GripAxis
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import Part
-from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.order import RemovalOrder, removal_order
-from feeler.plan.reaching import Reach, access
 from feeler.plan.removal import Removal, RemovalBlocker, removal
 from feeler.plan.swept import swept
 from feeler.poses import between
@@ -47,10 +44,7 @@ side, but not less than its own size over `ROOM_STEPS`: it would take long, and 
 CLEARANCE_ERROR = 0.05
 """The clearance of a way may be too large by this share (`Removal.clearance`)."""
 MOST_BLOCKERS = 20
-MOST_REACHES = 5000
-_WRENCH_HALF_M = 0.0046  # half the built-in wrench's thickness, and a tenth of a millimetre above the bearing face
 _NAMED = 3  # parts named in a sentence
-_FAN_STEP_DEG = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +64,7 @@ class Asked:
     times: str = ""
     """Of a task: the table of times, TOML."""
     catalogue: str = ""
-    """Of a task: the catalogue of tools, TOML; empty: the built-in one."""
+    """Of a task, and of access: the catalogue of tools, TOML; empty: the built-in one."""
     memory: Memory = field(default_factory=Memory)
     """Of a task: what its plans before edits found."""
 
@@ -182,70 +176,6 @@ def _no_order(asked: Asked, found: RemovalOrder) -> Answered:
     return Answered(f"{said}; stopped by {names}." if names else f"{said}.", False, blockers=blockers)
 
 
-def reach(asked: Asked, progress: Progress) -> Answered:
-    """Which tools reach fasteners: of each fastener the tool that swings farthest."""
-    assert asked.tools, "a question of access has a tool"
-    bolts = find_fasteners(asked.scene, list(asked.parts) or None, part_of(progress, 0.0, 0.2))
-    if not len(bolts):
-        return Answered("None of these parts looks like a fastener.", None)
-    found: dict[str, list[Reach]] = {}
-    for number, name in enumerate(asked.tools):
-        start, end = (0.2 + 0.8 * each / len(asked.tools) for each in (number, number + 1))
-        found[name] = _reaches(asked, name, bolts, part_of(progress, start, end))
-    reaching = [[name for name, rows in found.items() if rows[k].is_reachable] for k in range(len(bolts))]
-    best = [max(names or found, key=lambda name: found[name][k].swing_deg) for k, names in enumerate(reaching)]
-    order = sorted(range(len(bolts)), key=lambda k: (bool(reaching[k]), bolts[k].path))
-    facts = tuple(_reach_facts(asked, best[k], reaching[k], found[best[k]][k], bolts[k]) for k in order[:MOST_REACHES])
-    good = {name: sum(row.is_reachable for row in rows) for name, rows in found.items()}
-    more = [(f"{name} reaches", f"{count:,} of {len(bolts):,}") for name, count in good.items() if len(good) > 1]
-    if len(order) > len(facts):
-        more.append(("not listed", plural(len(order) - len(facts), "fastener")))
-    reached = sum(map(bool, reaching))
-    return Answered(
-        _reach_words(good, reached, found, len(bolts)), reached == len(bolts), reaches=facts, facts=tuple(more)
-    )
-
-
-def _reaches(asked: Asked, name: str, bolts: Fasteners, progress: Progress) -> list[Reach]:
-    """Whether one tool reaches them. The built-in wrench lies flat, its jaw about the head."""
-    is_wrench = name == "wrench" and name in asked.built_in
-    grip = asked.options.get("grip") or ("y" if is_wrench else None)
-    heads = [bolt.head_height if math.isfinite(bolt.head_height) else 0.0 for bolt in bolts]
-    found = access(
-        asked.scene,
-        asked.tools[name],
-        bolts,
-        asked.number("swing_deg", 60.0),
-        grip=cast("GripAxis | None", grip),
-        lift=[_WRENCH_HALF_M - height if height > 0.0 else 0.0 for height in heads] if is_wrench else 0.0,
-        threads=asked.threads,
-        progress=progress,
-    )
-    return list(found)
-
-
-def _reach_words(good: Mapping[str, int], reached: int, found: Mapping[str, list[Reach]], bolts: int) -> str:
-    fasteners = plural(bolts, "fastener")
-    if len(good) == 1:
-        (tool,) = good
-        if reached == bolts:
-            return f"The {tool} reaches all {fasteners}." if bolts > 1 else f"The {tool} reaches it."
-        if bolts == 1:
-            return f"The {tool} does not reach it: {found[tool][0].because}."
-        return f"The {tool} reaches {f'{reached:,}' if reached else 'none'} of {fasteners}."
-    if not reached:
-        return f"None of {len(good)} tools reaches {'it' if bolts == 1 else f'any of {fasteners}'}."
-    which = [name for name, count in good.items() if count]
-    if bolts == 1:
-        return f"The {listed(which)} {'reaches' if len(which) == 1 else 'reach'} it."
-    most = max(good, key=lambda name: good[name])
-    if good[most] == bolts:
-        return f"The {most} reaches all {fasteners}."
-    count = f"{reached:,}" if reached < bolts else "All"
-    by = f"by the {listed(which)}" if reached == 1 else f"{good[most]:,} of them by the {most}"
-    return f"{count} of {fasteners} {'is' if reached == 1 else 'are'} reached, {by}."
-
-
 def room(asked: Asked, progress: Progress) -> Answered:
     """The room that parts need on their way out."""
     found = _removal(asked, part_of(progress, 0.0, 0.6))
@@ -286,7 +216,7 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
         if not isinstance(facts, dict):
             return None
         given = {key: value for key, value in facts.items() if key != "kind"}
-        _name_the_tool(given, card)
+        _complete_reaches(given, card)
         answer: CardAnswer = check(given, CardAnswer, "answer")
         ways = tuple(
             Way(
@@ -326,22 +256,25 @@ def kept_answer(card: Card, facts: Any, data: bytes | None, parts: int) -> Answe
     )
 
 
-def _name_the_tool(answer: dict[str, Any], card: Card) -> None:
-    """Answers that were kept before several tools could be asked about do not name theirs."""
+def _complete_reaches(answer: dict[str, Any], card: Card) -> None:
+    """Rows of access that were kept before several tools could be asked about do not name theirs; those before the
+    catalogue was asked have no strokes, hand and head."""
     rows = answer.get("reaches")
     tool = card.options.get("tool")
     for row in rows if isinstance(rows, list) else []:
         if isinstance(row, dict) and "tool" not in row and isinstance(tool, str):
             row.update(tool=tool, tools=[tool] if row.get("is_reachable") is True else [])
+        if isinstance(row, dict):
+            older = {"is_catalogue": False, "strokes": None, "has_hand": None, "head": ""}
+            row.update({name: value for name, value in older.items() if name not in row})
 
 
 ANSWERS: dict[str, Callable[[Asked, Progress], Answered]] = {
     "removal": way_out,
     "order": order,
-    "access": reach,
     "swept": room,
 }
-"""By the question of a card."""
+"""By the question of a card; `access_answers.py` has that of access."""
 
 
 def _removal(asked: Asked, progress: Progress) -> Removal:
@@ -502,42 +435,6 @@ def nearest(mockup: Mockup, way: Way, gaps: list[Gap]) -> str:
     if near["gap"] <= way.clearance * (1.0 + CLEARANCE_ERROR):
         return f"; nearest about {length(near['gap'])} to {name}"
     return f"; nearest about {length(way.clearance)}"
-
-
-def _reach_facts(asked: Asked, tool: str, tools: list[str], row: Reach, bolt: Fastener) -> ReachFacts:
-    return {
-        "part": row.part,
-        "name": asked.mockup.part_names[bolt.part],
-        "kind": bolt.kind,
-        "tool": tool,
-        "tools": tools,
-        "is_reachable": row.is_reachable,
-        "swing_deg": row.swing_deg,
-        "because": row.because,
-        "pose": list(motion.row(row.pose)),
-        "way": [list(motion.row(pose)) for pose in row.way],
-        "point": triple(bolt.frame[:3, 3]),
-        "axis": triple(bolt.axis),
-        "fan": _fan(asked.tools[tool], row, bolt),
-        "blockers": [each.part for each in row.blockers[:MOST_BLOCKERS]],
-    }
-
-
-def _fan(tool: Tool, row: Reach, bolt: Fastener) -> list[Vec3]:
-    """The path of the tool's far end over the free swing, about the fastener's axis."""
-    if not row.swing_deg > 0.0:
-        return []
-    around = motion.corners(tool.bounds) @ row.pose[:3, :3].T + row.pose[:3, 3]
-    origin, axis = bolt.frame[:3, 3], bolt.axis
-    arms = around - origin
-    flat = arms - np.outer(arms @ axis, axis)
-    far = arms[int(np.argmax(np.linalg.norm(flat, axis=1)))]
-    count = max(2, math.ceil(row.swing_deg / _FAN_STEP_DEG) + 1)
-    turns = np.radians(np.linspace(-row.swing_deg / 2.0, row.swing_deg / 2.0, count))
-    along = axis * (far @ axis)
-    across = far - along
-    side = np.cross(axis, across)
-    return [triple(origin + along + math.cos(turn) * across + math.sin(turn) * side) for turn in turns]
 
 
 def part_of(progress: Progress, start: float, end: float) -> Progress:

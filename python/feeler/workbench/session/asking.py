@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar, cast
 
 import numpy as np
 
-from feeler.errors import WorkbenchError
+from feeler.errors import OptionError, WorkbenchError
 from feeler.mockup import Tool
 from feeler.progress import Progress
 from feeler.project.layout import SUFFIX
@@ -47,6 +47,7 @@ from feeler.workbench.engine.parts import PartTools
 from feeler.workbench.engine.standing import Standing
 from feeler.workbench.files import static_files
 from feeler.workbench.session import export, films, page, saving
+from feeler.workbench.session.access_answers import tool_in_hand
 from feeler.workbench.session.finding_jobs import (
     TakenFindings,
     clash,
@@ -179,6 +180,22 @@ def task_tool(place: Place, given: Arguments) -> ToolGhost | None:
     if not way or place.tool is None or card is None:
         return None
     geometry = HeldGeometry(tool_at(place.tool(card, steps[number]["tool"]), way[-1]), 0)
+    return {"manifest": geometry.manifest(), "data": base64.b64encode(geometry.data()).decode("ascii")}
+
+
+def reach_tool(place: Place, given: Arguments) -> ToolGhost | None:
+    """The tool of a row of access in its seat, with the hand if one fits; None: the row has none of the catalogue."""
+    rows, number = place.cards(given.whole("id"))["reaches"], given.whole("row")
+    if number >= len(rows):
+        raise given.fail("row", f"there is no row {number}", f"it has {plural(len(rows), 'row')}")
+    row = rows[number]
+    if not row["is_catalogue"] or not row["tool"]:
+        return None
+    try:
+        tool = tool_in_hand(place.document.task_catalogue.toml, row["tool"], row["has_hand"] is True)
+    except OptionError:
+        raise given.fail("row", "its tool is not in the catalogue any more", "ask again") from None
+    geometry = HeldGeometry(tool_at(tool, row["pose"]), 0)
     return {"manifest": geometry.manifest(), "data": base64.b64encode(geometry.data()).decode("ascii")}
 
 
@@ -332,6 +349,7 @@ ASKS: dict[str, Question[Any]] = {
     "find": Question(find, {"query": str}),
     "card": Question(card, {"id": int}),
     "task_tool": Question(task_tool, {"id": int, "step": int}),
+    "reach_tool": Question(reach_tool, {"id": int, "row": int}),
     "task_sight": Question(task_sight, {"id": int, "step": int}),
     "joint_ghost": Question(joint_ghost, {"name": str}),
     "joint_to": Question(joint_to, {"name": str, "value": float | None}),

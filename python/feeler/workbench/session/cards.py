@@ -17,6 +17,7 @@ from feeler.workbench.document.document import Card, Document
 from feeler.workbench.document.known import Way
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.engine.standing import Standing
+from feeler.workbench.session.access_answers import reach
 from feeler.workbench.session.answering import ANSWERS, Answered, Asked
 from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
 from feeler.workbench.session.line_ways import LINE_ANSWERS
@@ -163,6 +164,10 @@ class Cards:
         scene = standing.scene(document, (*card.without, *off), lambda share, stage: progress(0.0, stage))
         there = tuple(part for part in card.parts if scene.part_mask[part])
         names = card.options.get("tools") or [each for each in [card.options.get("tool")] if each is not None]
+        if card.options.get("catalogue") and "tools" not in card.options:
+            # Those that the user opened come before the catalogue.
+            built_in = hands.built_in()
+            names = [name for name in hands.names if name not in built_in]
         tools = {str(name): hands.tool(str(name)) for name in names}
         # One core is left for the hand.
         threads = max(1, (os.cpu_count() or 2) - 1)
@@ -177,6 +182,8 @@ class Cards:
             document.task_times.toml,
             document.task_catalogue.toml,
         )
+        if card.question == "access":
+            return reach(asked, progress)
         if card.question != "task":
             return ANSWERS[card.question](asked, progress)
         # Taken away meanwhile: a plan that is cancelled may leave half of something.
