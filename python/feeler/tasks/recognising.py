@@ -127,7 +127,10 @@ def _rows(parts: Mapping[str, Seen], is_known: bool) -> Shapes:
     area[(area < 0.0) | np.isnan(box[:, 0, 0])] = np.nan
     content = np.array([int(each.digest[:16], 16) for each in seen], dtype=np.uint64)
     paths = tuple(_path(key, parts) for key in parts)
-    return Shapes(tuple(parts), paths, content, box, np.array(middles, dtype=np.float64).reshape(-1, 3), area)
+    middle = np.array(middles, dtype=np.float64).reshape(-1, 3)
+    triangles = np.array([each.measure[0] for each in seen], dtype=np.int64)
+    chords = np.full(len(seen), np.nan)  # nights do not keep them
+    return Shapes(tuple(parts), paths, content, box, middle, area, triangles, chords, chords)
 
 
 def _path(key: str, parts: Mapping[str, Seen]) -> str:
