@@ -39,7 +39,34 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
         0.4,
     ),
     "one inside, a sheet through a face": (SOLID, joined(INNER, THROUGH), Verdict.CLASH, 0.4),
+    "a plug larger than its hollow": (HOLLOW, box((-0.1, -0.1, -0.1), (1.1, 1.1, 1.1)), Verdict.CLASH, 0.1 * 3**0.5),
+    "a lining sunk into its wall": (
+        HOLLOW,
+        joined(box((-0.1, -0.1, -0.1), (1.1, 1.1, 1.1)), inverted(INNER)),
+        Verdict.CLASH,
+        0.1 * 3**0.5,
+    ),
+    "a plug larger than its hollow, one beside": (
+        joined(HOLLOW, FAR_A),
+        joined(box((-0.1, -0.1, -0.1), (1.1, 1.1, 1.1)), FAR_B),
+        Verdict.CLASH,
+        0.1 * 3**0.5,
+    ),
+    "a hollow solid inside": (box((-2, -2, -2), (3, 3, 3)), HOLLOW, Verdict.CONTAINED, 2.0),
+    "a shell in a wall, around its hollow": (
+        joined(box((-2, -2, -2), (3, 3, 3)), inverted(SOLID)),
+        joined(box((-1, -1, -1), (2, 2, 2)), inverted(box((-0.5, -0.5, -0.5), (1.5, 1.5, 1.5)))),
+        Verdict.CONTAINED,
+        1.0,
+    ),
 }
+
+
+def test_contact_allows_a_plug_that_is_larger_than_its_hollow() -> None:
+    mockup = mockup_of({"housing": HOLLOW, "plug": box((-1e-3, -1e-3, -1e-3), (1.001, 1.001, 1.001))})
+    for contact, verdict in ((1.7e-3, Verdict.CLASH), (1.8e-3, Verdict.CONTACT)):
+        (row,) = feeler.clash(mockup, contact=contact)
+        assert row.verdict == verdict and row.depth <= 1e-3 * 3**0.5 <= row.depth + row.depth_error
 
 
 @pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3])

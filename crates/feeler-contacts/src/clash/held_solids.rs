@@ -1,6 +1,8 @@
 //! Whether a part holds a solid of another while none of their other solids cross: parts of several solids, of which one
 //! lies inside the other part, or is in both.
 
+use std::sync::Arc;
+
 use feeler_core::clash::solids::{Solid, Solids};
 use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{add, along, cross, dot, length, scaled, sub};
@@ -15,6 +17,8 @@ struct Piece {
     bounds: Aabb,
     /// Whether it is a closed surface around material, and no hollow or open surface.
     is_solid: bool,
+    /// A corner of each of its closed surfaces.
+    corners: Vec<Point>,
 }
 
 /// Whether each of two parts has several solids and one of them is in the same place as one of the other.
@@ -65,6 +69,29 @@ pub fn is_holding_a_solid(solids: &Solids<'_>, parts: [u32; 2], bodies: [&Body; 
     is_held
 }
 
+/// Whether a solid of one of two closed parts, of which no triangles cross, is filled by the other beyond a hollow: the wall of the hollow
+/// is inside the other, and its outer surface is not. `bodies`: makes those of the parts.
+pub fn is_overfilled(solids: &Solids<'_>, parts: [u32; 2], bodies: impl FnOnce() -> [Arc<Body>; 2]) -> bool {
+    let box_of = |i: usize| &solids.mockup().part_bounds()[parts[i] as usize];
+    let may_be = |i: usize| {
+        let solid = solids.of(parts[i]);
+        let shells = solid.shells();
+        shells.len() > 1 && shells.iter().any(|shell| is_in(&shell.bounds, box_of(1 - i), 0.0))
+    };
+    let asked: Vec<usize> = (0..2).filter(|i| may_be(*i)).collect();
+    if asked.is_empty() {
+        return false;
+    }
+    let bodies = bodies();
+    asked.into_iter().any(|i| {
+        let is_in_other = |p: &Point| is_inside(&bodies[1 - i], p);
+        pieces(&solids.of(parts[i])).iter().any(|piece| {
+            let inside = piece.corners.iter().filter(|p| is_in_other(p)).count();
+            piece.is_solid && inside > 0 && inside < piece.corners.len()
+        })
+    })
+}
+
 /// A part by its solids, each with its hollows, and what else it has.
 fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
     let mut left: Vec<bool> = vec![false; solid.adjacency().neighbours.len()];
@@ -73,7 +100,8 @@ fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
     for shell in solid.shells() {
         let triangles = connected(solid, shell.first, &mut left);
         let is_solid = six_volumes(solid, &triangles) > 0.0;
-        let piece = Piece { triangles, bounds: shell.bounds, is_solid };
+        let corners = vec![solid.triangle(shell.first)[0]];
+        let piece = Piece { triangles, bounds: shell.bounds, is_solid, corners };
         (if is_solid { &mut found } else { &mut hollows }).push(piece);
     }
     for hollow in hollows {
@@ -86,14 +114,17 @@ fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
         let size = |piece: &&mut Piece| piece.bounds.longest();
         let holder = found.iter_mut().filter(|piece| piece.is_solid).filter(around);
         match holder.min_by(|a, b| size(a).total_cmp(&size(b))) {
-            Some(holder) => holder.triangles.extend(hollow.triangles),
+            Some(holder) => {
+                holder.triangles.extend(hollow.triangles);
+                holder.corners.extend(hollow.corners);
+            }
             None => found.push(hollow),
         }
     }
     let rest: Vec<u32> = solid.triangles().filter(|own| left[*own as usize]).collect();
     if !rest.is_empty() {
         let bounds = rest.iter().fold(Aabb::EMPTY, |all, own| all.union(&Aabb::of_triangle(&solid.triangle(*own))));
-        found.push(Piece { triangles: rest, bounds, is_solid: false });
+        found.push(Piece { triangles: rest, bounds, is_solid: false, corners: Vec::new() });
     }
     found
 }

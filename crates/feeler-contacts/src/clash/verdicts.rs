@@ -9,7 +9,7 @@ use feeler_core::clash::touch::Touching;
 use feeler_core::{Aabb, PairLimits};
 
 use super::copies::are_copies;
-use super::held_solids::{is_holding_a_solid, is_in, may_share_solids};
+use super::held_solids::{is_holding_a_solid, is_in, is_overfilled, may_share_solids};
 use super::obvious::is_through;
 use super::row::Verdict;
 use crate::constants::SEAM_EXCESS;
@@ -107,10 +107,15 @@ impl Judge<'_> {
         parts.iter().any(|part| self.solids.of(*part).is_closed())
     }
 
-    /// A part that another contains by exact signs. An open surface that is nowhere deeper than contact allows lies on the other part.
+    /// A part that another contains by exact signs. An open surface that is nowhere deeper than contact allows lies on the other part. What
+    /// is larger than the hollow that it fills is not contained.
     fn of_held(&self, parts: [u32; 2]) -> Verdict {
         if parts.iter().all(|part| self.solids.of(*part).is_closed()) {
-            return Verdict::Contained;
+            return if is_overfilled(self.solids, parts, || self.bodies_of(parts)) {
+                self.of_overlap(parts)
+            } else {
+                Verdict::Contained
+            };
         }
         let [a, b] = self.bodies_of(parts);
         if is_deeper([&a, &b], self.limits.contact(parts[0], parts[1])) {
@@ -185,6 +190,18 @@ impl Judge<'_> {
         }
         let is_pierced = contact > rounding && are_walls_clashing([&a, &b], contact);
         Some(if is_pierced { Verdict::Clash } else { Verdict::Contact })
+    }
+
+    /// Closed parts that share material, and of which none contains the other.
+    fn of_overlap(&self, parts: [u32; 2]) -> Verdict {
+        let (rounding, contact) = (self.limits.rounding(parts[0], parts[1]), self.limits.contact(parts[0], parts[1]));
+        let [a, b] = self.bodies_of(parts);
+        let is_pierced = || contact > rounding && are_walls_clashing([&a, &b], contact);
+        if is_deeper([&a, &b], contact) || is_pierced() {
+            Verdict::Clash
+        } else {
+            Verdict::Contact
+        }
     }
 
     fn boxes_of(&self, parts: [u32; 2]) -> [Aabb; 2] {
