@@ -63,6 +63,55 @@ def edited(path: Path, status: str, *comments: tuple[str, str]) -> Path:
     return out
 
 
+def in_plate(*bolts: tuple[str, float, float]) -> feeler.Mockup:
+    """A plate and what is in it: name, place, size."""
+    boxes = {f"a/{name}": box((x, 0.2, 0.5), (x + size, 0.2 + size, 2)) for name, x, size in bolts}
+    return mockup_of({"a/plate": box((0, 0, 0), (100, 1, 1)), **boxes})
+
+
+def test_an_approval_does_not_pass_to_what_is_in_the_group_now(tmp_path: Path) -> None:
+    then, now = in_plate(("b0", 1, 0.1), ("b1", 2, 0.1)), in_plate(("s0", 5, 0.3), ("s1", 7, 0.3))
+    write_bcf(tmp_path / "out.bcf", feeler.clash(then), then)
+    topics = read_bcf(edited(tmp_path / "out.bcf", "Accepted"))
+    found = feeler.clash(now)
+    assert apply_bcf(found, topics).unknown == topics and set(found.statuses.tolist()) == {"new"}
+    # One that is still there has the status, the new one beside it has not.
+    found = feeler.clash(in_plate(("b0", 1, 0.1), ("s1", 7, 0.3)))
+    apply_bcf(found, topics)
+    bolts = {({row.path_a, row.path_b} - {"a/plate"}).pop(): row.status for row in found}
+    assert bolts == {"a/b0": "approved", "a/s1": "new"}
+
+
+def test_a_status_reaches_all_findings_of_a_topic(tmp_path: Path) -> None:
+    world = in_plate(*((f"b{n}", n + 1, 0.1) for n in range(60)))
+    found = feeler.clash(world)
+    write_bcf(tmp_path / "out.bcf", found, world)
+    (topic,) = read_bcf(edited(tmp_path / "out.bcf", "Accepted", ("ada", "fits")))
+    assert "... and 10 more" in topic.description and len(topic.ids) == 60
+    changes = apply_bcf(found, [topic])
+    assert len(changes.statuses) == 60 and set(found.statuses.tolist()) == {"approved"}
+    assert {found.marks.of(each).note for each in found.ids} == {"ada: fits"}
+
+
+@pytest.mark.parametrize("deep, growth, is_kept", [(0.1, 1e-4, True), (0.3, 1e-4, False), (0.3, 0.25, True)])
+def test_an_approval_holds_for_the_depth_that_the_file_says(
+    tmp_path: Path, deep: float, growth: float, is_kept: bool
+) -> None:
+    def world(sunk: float) -> feeler.Mockup:
+        return mockup_of({"a": box((0, 0, 0), (1, 1, 1)), "b": box((1 - sunk, 0.1, 0.1), (3, 0.9, 0.9))})
+
+    write_bcf(tmp_path / "out.bcf", feeler.clash(world(0.1)), world(0.1))
+    topics = read_bcf(edited(tmp_path / "out.bcf", "Accepted"))
+    found = feeler.clash(world(deep))
+    changes = apply_bcf(found, topics, growth=growth)
+    assert found.statuses.tolist() == ["approved" if is_kept else "new"]
+    assert changes.outgrown == (() if is_kept else found.ids)
+    if is_kept:
+        assert found.marks.of(found.ids[0]).approved_depth == pytest.approx(0.1, rel=1e-3)
+    else:
+        assert "approved at 0.1 m" in found.marks.of(found.ids[0]).note
+
+
 def test_statuses_and_comments_come_back(tmp_path: Path) -> None:
     found = feeler.clash(mockup())
     write_bcf(tmp_path / "out.bcf", found, mockup())
@@ -157,7 +206,7 @@ def test_the_command_takes_them_over(tmp_path: Path) -> None:
     back = edited(tmp_path / "out.bcf", "Approved", ("ada", "fits"))
     done = run("clash", tmp_path / "last.json", "--bcf-in", back, "--save", tmp_path / "now.json", "--json")
     answer = json.loads(done.stdout)
-    assert answer["bcf"] == {"topics": 2, "statuses": 2, "notes": 2, "unknown": 0}
+    assert answer["bcf"] == {"topics": 2, "statuses": 2, "notes": 2, "unknown": 0, "outgrown": 0}
     assert {each["status"] for each in answer["clashes"]} == {"approved"}
     assert {row.note for row in feeler.load_clashes(tmp_path / "now.json")} == {"ada: fits"}
     assert "2 statuses and 2 notes taken over" in run("clash", tmp_path / "last.json", "--bcf-in", back).stdout

@@ -7,6 +7,7 @@ and `snapshot.png`. GUIDs follow from the names of groups, so that the same grou
 from __future__ import annotations
 
 import datetime
+import itertools
 import os
 import re
 import zipfile
@@ -17,7 +18,7 @@ from xml.etree import ElementTree
 from feeler.arguments import check_kind, check_progress, check_text, check_whole
 from feeler.atomic import atomic_file
 from feeler.choices import GroupBy
-from feeler.clashes.bcf_notes import SYSTEM, comment_of
+from feeler.clashes.bcf_notes import SYSTEM, comment_of, further_text, seen_text
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
 from feeler.clashes.tracking import Mark, derived_id
@@ -35,6 +36,9 @@ MOST_LINES = 50
 """Most findings that the description of a topic lists."""
 MOST_COMMENT_TEXT = 1_000_000
 """Most characters of the comments of a topic, those of the worst findings first."""
+
+MOST_FURTHER_TEXT = 2_000_000
+"""Most characters of the ids of findings that the description of a topic leaves out: some 30,000 findings."""
 
 _STATUSES = ("new", "active", "reviewed", "approved")
 _COLOURS = ("4580CC", "FF850D")  # of the first and the second part, as in the picture
@@ -157,7 +161,9 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
     # The least reviewed finding gives the status of the topic.
     status = next((each for each in _STATUSES if each in statuses), "new")
     labels = sorted(set(members.verdicts.tolist()))
-    lines = [f"{sentence(clash)} ({clash.path_a}; {clash.path_b}; {clash.id})" for clash in members[:MOST_LINES]]
+    seen = [seen_text(each, found) for each, found in zip(members.ids, members.found(), strict=True)]
+    first = zip(members[:MOST_LINES], seen, strict=False)
+    lines = [f"{sentence(clash)} ({clash.path_a}; {clash.path_b}; {said})" for clash, said in first]
     if len(members) > MOST_LINES:
         lines.append(f"... and {len(members) - MOST_LINES:,} more")
     files = [
@@ -190,12 +196,23 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
             ),
         ),
     )
-    comments = _comments(group, guid, status, author, date)
+    comments = [*_comments(group, guid, status, author, date), *_further(seen[MOST_LINES:], guid, date)]
     if comments:
         # The schema wants them between the description and the viewpoints.
         topic.insert(len(topic) - 1, _element("Comments", {}, *comments))
     header = [_element("Header", {}, _element("Files", {}, *files))] if files else []
     return _element("Markup", {}, *header, topic)
+
+
+def _further(seen: list[str], guid: str, date: str) -> list[Element]:
+    """The comment with the findings that the description leaves out, if there are any."""
+    kept = list(itertools.takewhile(lambda size: size <= MOST_FURTHER_TEXT, itertools.accumulate(map(len, seen))))
+    if not kept:
+        return []
+    said = (("Date", date), ("Author", SYSTEM), ("Comment", further_text(seen[: len(kept)])))
+    made = _element("Comment", {"Guid": derived_id("comment", guid, "further")})
+    made.extend(_element(name, {}, text) for name, text in said)
+    return [made]
 
 
 def _comments(group: Group, guid: str, status: str, author: str, date: str) -> list[Element]:

@@ -18,11 +18,11 @@ from datetime import datetime, timezone
 from typing import IO
 from xml.parsers import expat
 
-from feeler.arguments import check_kind, check_list, check_path
+from feeler.arguments import check_kind, check_length, check_list, check_path
 from feeler.choices import GROUPS_BY, Status
-from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, note_of
+from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, Seen, is_further, note_of, seen_in
 from feeler.clashes.result import Clashes
-from feeler.clashes.tracking import Found, derived_id
+from feeler.clashes.tracking import DEPTH_GROWTH_M, Found, Mark, derived_id, outgrown
 from feeler.errors import LoadError, MissingFileError
 from feeler.field_docs import documented
 
@@ -39,8 +39,6 @@ MOST_UNPACKED_BYTES = 256 << 20
 _MOST_LEVELS = 64
 _MOST_ELEMENTS = 200_000  # of one document
 _BLOCK_BYTES = 1 << 16
-
-_UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
 _STATUSES: dict[str, Status] = {
     **dict.fromkeys(("new", "open", "opened", "unassigned"), "new"),
@@ -68,7 +66,8 @@ class Topic:
     """A topic of a BCF file.
 
     status: as the file has it. parts: the texts that name selected components, which are part paths in files of feeler.
-    ids: the ids of findings that the description names.
+    ids: the ids of findings that the description names, and the comment that goes on where it is cut. seen: of those,
+    the verdict and the signed depth, metres, that they had; None where the file does not say.
     """
 
     guid: str
@@ -83,12 +82,13 @@ class Topic:
     """In the order of the file."""
     parts: tuple[str, ...] = ()
     ids: tuple[str, ...] = ()
+    seen: tuple[Seen, ...] = ()
 
 
 @documented
 @dataclass(frozen=True)
 class BcfChanges:
-    """What `apply_bcf` did: ids of findings that got another status, and another note; topics of no finding here."""
+    """What `apply_bcf` did."""
 
     statuses: tuple[str, ...]
     """Ids of findings that got another status."""
@@ -96,6 +96,8 @@ class BcfChanges:
     """Ids of findings that got another note."""
     unknown: tuple[Topic, ...]
     """Topics of no finding of the table."""
+    outgrown: tuple[str, ...] = ()
+    """Ids of findings that the file approves, but that are deeper now, or duplicates: they were not approved."""
 
 
 def read_bcf(path: str | os.PathLike[str]) -> tuple[Topic, ...]:
@@ -136,11 +138,13 @@ def topics_in(opened: IO[bytes], name: str) -> tuple[Topic, ...]:
         raise LoadError(f"{name} is not a BCF file, or is damaged ({error}): export it again") from None
 
 
-def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
+def apply_bcf(clashes: Clashes, topics: Sequence[Topic], *, growth: float = DEPTH_GROWTH_M) -> BcfChanges:
     """Sets the statuses and notes of findings by the topics of a BCF file, as `read_bcf` reads them.
 
-    A topic belongs to the findings that its description names, else to those of its group (`write_bcf` derives GUIDs
-    from groups), else to those of the pair of parts that its viewpoint selects. Comments become the note, newest last;
+    A topic belongs to the findings that its description names. If it names none, it belongs to those of its group
+    (`write_bcf` derives GUIDs from groups), else to those of the pair of parts that its viewpoint selects. An approval
+    holds for the depth that the file says; as in `Clashes.diff`, it ends if a finding is `growth` metres deeper now, or
+    a duplicate. Comments become the note, newest last;
     one that the note has already is not added again. A comment of `write_bcf` belongs to the one finding that it names;
     its status counts if the topic still has the status that it had then. A status without a counterpart here goes into
     the note. Statuses of trackers: open and new become new; active and in progress, active; resolved and closed,
@@ -148,14 +152,16 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
     """
     check_kind("clashes", clashes, Clashes, "feeler.Clashes")
     given = check_list("topics", topics, "a list of feeler.clashes.Topic")
+    check_length("growth", growth)
     finder = _Finder(clashes)
-    statuses, notes, unknown = [], [], []
+    statuses, notes, unknown, deeper = [], [], [], []
     for topic in given:
         topic = check_kind("topics", topic, Topic, "a list of feeler.clashes.Topic")
         word = topic.status.strip().lower()
         own, topic = _split(replace(topic, comments=tuple(sorted(topic.comments, key=_time))))
         is_untouched = any(said.topic == word for _, said in own.values())
         found = tuple(dict.fromkeys((*finder.of(topic), *(each for each in own if finder.has(each)))))
+        seen = {each.finding: each for each in topic.seen}
         if not found:
             unknown.append(topic)
         for each in found:
@@ -169,14 +175,33 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic]) -> BcfChanges:
                 if said.topic == word:
                     status, by = said.status, "" if author == SYSTEM else author
             after = replace(before, note=noted(note, topic))
+            approval = _approval(seen.get(each)) if status == "approved" != before.status else None
+            if approval is not None and (why := outgrown(approval, finder.found(each), growth)):
+                status, after = None, replace(after, note=_joined([after.note, why]))
+                deeper.append(each)
             if status is not None and status != before.status and before.status != "resolved":
                 clashes.marks.set(each, status, finder.found(each), by, after.note)
+                if approval is not None:
+                    clashes.marks.put(each, _approved_as(clashes.marks.of(each), approval))
                 statuses.append(each)
             elif after != before:
                 clashes.marks.put(each, after)
             if after.note != before.note:
                 notes.append(each)
-    return BcfChanges(tuple(dict.fromkeys(statuses)), tuple(dict.fromkeys(notes)), tuple(unknown))
+    changed, more, less = (tuple(dict.fromkeys(each)) for each in (statuses, notes, deeper))
+    return BcfChanges(changed, more, tuple(unknown), less)
+
+
+def _approval(seen: Seen | None) -> Mark | None:
+    """An approval of a finding as a file says that it was; None if it does not."""
+    if seen is None or seen.depth is None:
+        return None
+    return Mark("approved", approved_depth=seen.depth, approved_verdict=seen.verdict)
+
+
+def _approved_as(mark: Mark, approval: Mark) -> Mark:
+    depth, verdict = approval.approved_depth, approval.approved_verdict
+    return replace(mark, approved_depth=depth, approved_error=None, approved_verdict=verdict)
 
 
 def _time(comment: Comment) -> float:
@@ -243,7 +268,8 @@ class _Finder:
         if named:
             return named
         if topic.guid in self._groups:
-            return self._groups[topic.guid]
+            # Of findings that are gone, it says nothing of those that are in its group now.
+            return () if topic.ids else self._groups[topic.guid]
         return tuple(self._pairs.get(frozenset(topic.parts), ()))
 
     def has(self, each: str) -> bool:
@@ -308,15 +334,19 @@ class _Archive:
         # BCF 3.0 has the comments inside of the topic, earlier versions beside it.
         comments = [*topic.every("Comment"), *(each for each in root.children if each.tag == "Comment")]
         description = topic.said("Description")
+        every = [_comment(each) for each in comments if each.said("Comment")]
+        further = [each.text for each in every if is_further(each.text)]
+        seen = seen_in("\n".join([description, *further]).lower())
         return Topic(
             guid=topic.attributes.get("Guid", "").strip().lower() or member.split("/")[0],
             title=topic.said("Title"),
             status=topic.attributes.get("TopicStatus", "").strip(),
             description=description,
             assigned_to=topic.said("AssignedTo"),
-            comments=tuple(_comment(each) for each in comments if each.said("Comment")),
+            comments=tuple(each for each in every if not is_further(each.text)),
             parts=self._parts(member, root),
-            ids=tuple(dict.fromkeys(_UUID.findall(description.lower()))),
+            ids=tuple(each.finding for each in seen),
+            seen=seen,
         )
 
     def _parts(self, member: str, root: _Element) -> tuple[str, ...]:

@@ -197,14 +197,14 @@ def followed(before: Mark | None, now: Found, growth: float) -> Mark:
     if before.status == "approved":
         if before.approved_depth is None:  # from an older file, with another definition of depth
             return approved(before, now)
-        if why := _worse(before, now, growth):
+        if why := outgrown(before, now, growth):
             note = f"{before.note}; {why}" if before.note else why
             return approved(replace(before, status="new", note=note), None)
         return before if before.approved_verdict else replace(before, approved_verdict=now.verdict)
     return replace(before, status="active") if before.status == "new" else before
 
 
-def _worse(before: Mark, now: Found, growth: float) -> str:
+def outgrown(before: Mark, now: Found, growth: float) -> str:
     """Why an approval ends, in words; empty if it does not.
 
     The depth must have grown for certain: its lower bound now is above the upper bound of then. Where the depth does

@@ -152,8 +152,8 @@ def clash(
     if xlsx is not None:
         xlsx_library()
     group_by = check_word("--by", by, GROUPS_BY)
-    if growth is not None and previous is None and named is None:
-        raise OptionError("--growth compares with an earlier check: give --previous FILE or --project FILE, too")
+    if growth is not None and previous is None and named is None and bcf_in is None:
+        raise OptionError("--growth compares with an earlier check: give --previous, --project or --bcf-in, too")
     wanted = _wanted(fail_on)
     given = None if rules is None else room.Rules.read(rules)
     before = None if previous is None else room.load_clashes(previous)
@@ -199,12 +199,14 @@ def clash(
         outputs.warn(doubt)
     match = None
     if before is not None:
-        match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
+        match = found.diff(before, **_growth(growth)).parts
         if match.is_doubtful:
             outputs.warn(f"{match}; is {previous or named} of this mock-up?")
-    changes = None if topics is None else room.apply_bcf(found, topics)
+    changes = None if topics is None else room.apply_bcf(found, topics, **_growth(growth))
     if changes is not None and changes.unknown:
         outputs.warn(f"{len(changes.unknown):,} of {len(topics or ()):,} topics of {bcf_in} are of no finding here")
+    if changes is not None and changes.outgrown:
+        outputs.warn(f"{plural(len(changes.outgrown), 'finding')} approved in {bcf_in} not taken over: deeper now")
     written = _write(world, found, targets, group_by)
     if book is not None:
         book.write_clashes(found, group_by)
@@ -220,6 +222,7 @@ def clash(
                 "statuses": len(changes.statuses),
                 "notes": len(changes.notes),
                 "unknown": len(changes.unknown),
+                "outgrown": len(changes.outgrown),
             }
         outputs.print_json({**room.report(found, by=group_by), **facts})
     else:
@@ -232,6 +235,11 @@ def clash(
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
+
+
+def _growth(given: float | None) -> dict[str, float]:
+    """As an argument of what compares; empty for its default."""
+    return {} if given is None else {"growth": given}
 
 
 def _chord_doubt(found: feeler.Clashes, chord: float | None) -> str | None:

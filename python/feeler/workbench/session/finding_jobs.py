@@ -27,6 +27,7 @@ from feeler.errors import OptionError, WorkbenchError
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.words import plural
 from feeler.workbench.document import finding_rules, findings
 from feeler.workbench.document.answers import Written
 from feeler.workbench.document.arguments import Arguments
@@ -154,6 +155,8 @@ def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> T
     )
     unknown = len(changes.unknown)
     said = [f"{unknown} of {len(topics)} topics are of no finding here"] if unknown else []
+    if changes.outgrown:
+        said.append(f"{plural(len(changes.outgrown), 'finding')} approved there not taken over: deeper now")
     progress(1.0, "done")
     key = place.taken.keep(made, found)
     return {"key": key, "count": len({*status, *notes}), "gone": 0, "notes": said}
