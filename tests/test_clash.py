@@ -372,6 +372,19 @@ def test_limits(mockup: feeler.Mockup) -> None:
     }
 
 
+def test_rows_that_are_not_there_are_named(mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup)
+    with pytest.raises(IndexError, match=f"there is no finding 70: there are {len(found)}, 0 to {len(found) - 1}"):
+        found[70]
+    with pytest.raises(TypeError, match="a finding is indexed by its row, not by 'x'"):
+        found["x"]  # type: ignore[call-overload]
+    wrong: Any
+    for wrong in (None, 3, [3]):
+        for kind in (feeler.Access, feeler.Removals):
+            with pytest.raises(OptionError, match="rows "):
+                kind(wrong)
+
+
 def test_excluded_pairs_are_not_asked(mockup: feeler.Mockup) -> None:
     left = {pair: verdict for pair, verdict in FOUND.items() if "bolt" not in "".join(pair)}
     assert pairs(feeler.clash(mockup, ignore=[("*bolt*", "*")])) == left

@@ -270,7 +270,10 @@ ROOMS: dict[str, set[str]] = {
     "field_docs": set(),
     "renamed": {"errors"},
     # What users annotate with: it only imports.
-    "types": {*BASE, "clashes", "figures", "haptics", "ignored", "io", "parts", "picture", "tasks", "workbench"},
+    "types": {
+        *(*BASE, "clashes", "figures", "haptics", "ignored", "interchange", "io", "mechanism", "parts", "picture"),
+        *("plan", "requirements", "tasks", "workbench"),
+    },
     "enumerations": {"arguments", "errors"},
     "arguments": {"errors", "progress"},
     # Files that are written whole or not at all.

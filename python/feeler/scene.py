@@ -693,6 +693,7 @@ class ContactTracker(_core.ContactTracker):
         self.last_free = last_free
         return self
 
+    @keywords({"margin": "within"})
     def contacts(self, world_from_tool: PoseLike, within: float = 0.002) -> Contacts:
         """`Scene.contacts` with the last free pose as reference; a pose without a collision becomes the next one."""
         return super().contacts(world_from_tool, _within(within, endless=False))

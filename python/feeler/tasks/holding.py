@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
+from feeler.renamed import OldAttributes
 from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
 from feeler.tasks.clamping import clamped_beside
@@ -93,8 +94,10 @@ class Hold:
         return dict(vars(self))
 
 
-class Holds(Sequence[Hold]):
+class Holds(OldAttributes, Sequence[Hold]):
     """What fasteners hold, sorted by their parts. See `holds`."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"to_dict": "to_dicts"}
 
     def __init__(self, rows: Iterable[Hold]) -> None:
         found = [check_kind("rows", row, Hold) for row in check_list("rows", rows, "a list of feeler.Hold")]
@@ -126,8 +129,8 @@ class Holds(Sequence[Hold]):
         what = check_whole("part", part)
         return Holds(row for row in self._rows if what in row.parts or what in row.washers)
 
-    def to_dict(self) -> list[dict[str, Any]]:
-        """As JSON."""
+    def to_dicts(self) -> list[dict[str, Any]]:
+        """A dict of plain Python values for each row."""
         return [row.to_dict() for row in self._rows]
 
 
