@@ -140,6 +140,7 @@ POSE_TEXTS = {
     "semicolons at the ends": "\n".join(";".join(row) + ";" for row in ROWS),
     "semicolons between rows": "; ".join(", ".join(row) for row in ROWS),
     "decimal commas": "\n".join(";".join(row) for row in ROWS).replace(".", ","),
+    "a first line of Excel": "sep=;\r\n" + "\n".join(";".join(row) for row in ROWS).replace(".", ","),
     "decimal commas and tabs": "\t".join("\t".join(row) for row in ROWS).replace(".", ","),
     "comments": "# a; b, c\n" + "\n".join("; ".join(row) + " # 1,5; Höhe" for row in ROWS),
 }

@@ -332,7 +332,7 @@ class Scene(_core.Scene):
         *,
         ignore: Ignore = None,
     ) -> Clearance:
-        """The parts nearer than `within` (metres) with the tool at a pose `(4, 4)`: a row for each, nearest first.
+        """The parts not farther than `within` (metres) with the tool at a pose `(4, 4)`: a row for each, nearest first.
 
         With `triangles`, a row for each pair of triangles. A distance is 0 if and only if they collide; otherwise its
         error is at most 1.4e-14 of the largest difference of coordinates of the two triangles. If several pairs have
@@ -534,7 +534,7 @@ class Scene(_core.Scene):
     ) -> Contacts:
         """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
 
-        They represent all collisions and all surfaces nearer than `within` (metres), and do not depend on the
+        They represent all collisions and all surfaces not farther than `within` (metres), and do not depend on the
         triangulation. With more than 6 deep planes the distance shrinks, to 0 at 12; if more than a million pairs of
         triangles are within it, it is halved until they are fewer. Unless 12 planes are deep, each colliding part has a
         plane that is not a gap.

@@ -66,7 +66,7 @@ def clash(
     progress: Progress | None = None,
     parts: PartsLike | None = None,
 ) -> Clashes:
-    """All pairs of parts that overlap, touch, contain each other, or are nearer than `clearance`; the worst first.
+    """All pairs of parts that overlap, touch, contain each other, or are within `clearance` of each other; worst first.
 
     - `clearance`: metres. 0 finds only parts that collide.
     - `contact`: metres. Parts count as in contact up to this depth, and up to this gap; at least by the
