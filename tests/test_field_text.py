@@ -140,7 +140,6 @@ POSE_TEXTS = {
     "semicolons at the ends": "\n".join(";".join(row) + ";" for row in ROWS),
     "semicolons between rows": "; ".join(", ".join(row) for row in ROWS),
     "decimal commas": "\n".join(";".join(row) for row in ROWS).replace(".", ","),
-    "a first line of Excel": "sep=;\r\n" + "\n".join(";".join(row) for row in ROWS).replace(".", ","),
     "decimal commas and tabs": "\t".join("\t".join(row) for row in ROWS).replace(".", ","),
     "comments": "# a; b, c\n" + "\n".join("; ".join(row) + " # 1,5; Höhe" for row in ROWS),
 }
@@ -151,6 +150,8 @@ POSE_TEXTS = {
 @pytest.mark.parametrize("count", [1, 3])
 def test_poses_as_text(tmp_path, layout, encoding, count):
     text = (POSE_TEXTS[layout] + "\n") * count
+    for first in ("sep=;\n", '"sep=;"\n'):  # of Excel
+        assert np.array_equal(read_poses(save(tmp_path, "b.csv", (first + text).encode(encoding))), [POSE] * count)
     poses = read_poses(save(tmp_path, "a.csv", text.replace("\n", "\r\n").encode(encoding)))
     assert np.array_equal(poses, [POSE] * count)
 

@@ -646,7 +646,8 @@ def open_scene(
     as for `Scene`.
 
     While a scene is open, replace its file only by `Scene.save`, or by renaming another file to it: never change it in
-    place. Raises `MissingFileError`, and `LoadError` for a file that is none, has another layout, or is damaged.
+    place. Raises `MissingFileError`, and `LoadError` for a file that is no saved scene, has another layout, or is
+    damaged.
     """
     limit = _memory_limit(memory_limit)
     check_progress(progress)

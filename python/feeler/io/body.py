@@ -129,7 +129,8 @@ def body_of(
         return mesh
     if isinstance(mesh, type) or not hasattr(mesh, "vertices") or not hasattr(mesh, "faces"):
         raise MeshError(
-            f"a {type(mesh).__name__} is no mesh: pass a mock-up, a tool, or an object with vertices and faces"
+            f"{type(mesh).__name__} objects are not meshes: pass a mock-up, a tool, or an object with vertices and "
+            "faces"
         )
     check_flag("cut", cut)
     vertices = np.asarray(mesh.vertices, dtype=np.float64)

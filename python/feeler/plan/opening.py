@@ -127,7 +127,7 @@ def opening(
     - `most`: sizes beyond it, metres, count as infinite.
     - `limits`: as `opening_limits` reads them; `Opening.fits` says which go through.
 
-    Raises `OptionError` for a place or direction that is none, and numbers out of range.
+    Raises `OptionError` for an invalid place or direction, and numbers out of range.
     """
     check_kind("scene", scene, Scene)
     place, along = check_array("at", at, (3,)), _direction("axis", axis)

@@ -144,7 +144,7 @@ def holds(
     """Which fastener holds which parts: a bolt or screw those that its shank passes through on the way to its thread or
     nut, a nut those that it clamps, a plug itself; clamps and clips pass it on to what they touch.
 
-    Threads are told from clearance holes by their radius. Circlips and pins are known by name. Results are estimates,
+    The radius distinguishes threads from clearance holes. Circlips and pins are known by name. Results are estimates,
     each with its reason. `mockup`: also a `Scene`, of which only the present parts are examined. `fasteners`: of this
     mock-up; None: `find_fasteners`. `table`: what you know better, fastener by fastener: what it holds, or None if it
     holds nothing; a part that is no fastener so far becomes one.

@@ -104,7 +104,7 @@ def task(
       0 to 1, and what is done. It never goes back.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
-    `MeshError` for tools that are none, `LoadError` for a bad file of times. Ctrl-C ends the search with
+    `MeshError` for other objects as tools, `LoadError` for a bad file of times. Ctrl-C ends the search with
     `TaskInterrupted`, which has the best plan until then.
     """
     given = locals()
