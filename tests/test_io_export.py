@@ -22,7 +22,7 @@ import feeler.clashes
 import feeler.haptics
 import feeler.picture
 from feeler.errors import OptionError
-from feeler.io import Mark, WriteError, body_of, with_marks, write_glb, write_stl
+from feeler.io import Mark, Motion, WriteError, animated_glb, body_of, with_marks, write_glb, write_stl
 from feeler.picture import write_collision_glb
 
 CUBE_VERTICES = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -162,6 +162,16 @@ def test_colours_outside_0_to_1_are_refused(tmp_path: Path, colour: Any) -> None
         dataclasses.replace(body, palette=np.array([colour, *body.palette]))
     with pytest.raises(OptionError, match=r"colour (has .*: sRGB|has a number that is not finite)"):
         Mark(np.array([0]), colour)
+
+
+def test_a_motion_of_a_part_that_is_not_there_is_refused() -> None:
+    poses = np.stack([np.eye(4)] * 2)
+    with pytest.raises(OptionError, match="part"):
+        animated_glb(cubes(["a"]), [Motion(1, np.arange(2.0), poses)])
+    with pytest.raises(OptionError, match="do not ascend"):
+        Motion(0, np.array([1.0, 0.0]), poses)
+    with pytest.raises(OptionError, match="poses has shape"):
+        Motion(0, np.arange(3.0), poses)
 
 
 def test_parts_without_a_colour_of_their_own_get_one_as_those_of_other_mockups() -> None:

@@ -94,7 +94,7 @@ class Opening:
     """One for each limit."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         row = {name: value for name, value in vars(self).items() if name not in ("at", "axis", "across", "fits")}
         row |= {name: getattr(self, name).tolist() for name in ("at", "axis", "across")}
         row["stopped_by"] = dict(self.stopped_by)

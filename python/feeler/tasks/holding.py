@@ -90,7 +90,7 @@ class Hold:
     """Why, in words."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return dict(vars(self))
 
 
