@@ -15,6 +15,7 @@ from typing import Any
 import clash_twin
 import numpy as np
 import pytest
+import shapes
 from clash.cases import cut_box
 from clash.judge.shapes import random_turn
 from clash_scene import FOUND, PARTS, house, mockup_of, open_box, pairs, table
@@ -23,7 +24,7 @@ from shapes import box, inverted, joined
 
 import feeler
 from feeler import Verdict, _core
-from feeler.clashes import ClashInterrupted
+from feeler.clashes import ClashInterrupted, finding, limits
 from feeler.clashes.pictures import Pictures
 from feeler.errors import MeshError, OptionError
 
@@ -371,12 +372,43 @@ def test_limits(mockup: feeler.Mockup) -> None:
     }
 
 
+def test_rows_that_are_not_there_are_named(mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup)
+    with pytest.raises(IndexError, match=f"there is no finding 70: there are {len(found)}, 0 to {len(found) - 1}"):
+        found[70]
+    with pytest.raises(TypeError, match="a finding is indexed by its row, not by 'x'"):
+        found["x"]  # type: ignore[call-overload]
+    wrong: Any
+    for wrong in (None, 3, [3]):
+        for kind in (feeler.Access, feeler.Removals):
+            with pytest.raises(OptionError, match="rows "):
+                kind(wrong)
+
+
 def test_excluded_pairs_are_not_asked(mockup: feeler.Mockup) -> None:
     left = {pair: verdict for pair, verdict in FOUND.items() if "bolt" not in "".join(pair)}
     assert pairs(feeler.clash(mockup, ignore=[("*bolt*", "*")])) == left
     left = {pair: verdict for pair, verdict in FOUND.items() if pair != ("house/walls/left", "house/walls/right")}
     for exclude in (np.array([[1, 0]]), np.array([[0, 1], [3, 3]]), [("house/walls", "house/walls")]):
         assert pairs(feeler.clash(mockup, ignore=exclude)) == left
+
+
+@pytest.mark.parametrize("rules", [None, {"exclude": [{"name": "x", "a": "row/1*", "b": "*2"}]}])
+def test_patterns_that_match_many_parts_skip_by_classes(monkeypatch: pytest.MonkeyPatch, rules: Any) -> None:
+    """No pair is written down: 100,000 parts have ten thousand million. The findings are those of the long way."""
+    rows = {f"row/{i}": shapes.cube((0.011 * (i % 20), 0.011 * (i // 20), 0), 0.01) for i in range(300)}
+    mockup = shapes.mockup_of(rows)
+    ignore = [("*1*", "*2*"), ("row/*", ["*5", "*7"]), (3, 4), ("*9", "*9")]
+    parts = "*3*" if rules is None else None
+    short = feeler.clash(mockup, ignore=ignore, rules=rules, parts=parts)
+    monkeypatch.setattr(finding, "MANY_PAIRS", 10**9)
+    long = feeler.clash(mockup, ignore=ignore, rules=rules, parts=parts)
+    assert 0 < len(long) < len(feeler.clash(mockup, rules=rules, parts=parts))
+    assert pairs(short) == pairs(long) and short.ids == long.ids
+    monkeypatch.setattr(finding, "MANY_PAIRS", 3)
+    assert len(finding._limits(mockup, 0.002, 0.0, None, ignore).exclude) == 1
+    monkeypatch.setattr(limits, "CLASS_LIMIT", 3)  # too many classes: pair by pair
+    assert len(finding._limits(mockup, 0.002, 0.0, None, ignore).exclude) > 10_000
 
 
 def test_a_scene_serves_and_says_who_is_there(mockup: feeler.Mockup) -> None:

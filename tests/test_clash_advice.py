@@ -39,7 +39,7 @@ def test_one_part_that_is_left_of_several(tmp_path: Path) -> None:
 
 def test_an_open_part_that_holds_another_is_named() -> None:
     (nothing, rim) = said({"case/housing": HOUSING, "pump": INSIDE})
-    assert nothing.startswith("no pair of parts collides, or is nearer than 2 mm. Pass a larger clearance")
+    assert nothing.startswith("no pair of parts collides, or is within 2 mm of each other. Pass a larger clearance")
     assert rim.startswith("1 part is not closed, so parts inside it are not found: housing. Export it as solid")
 
 

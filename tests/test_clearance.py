@@ -213,3 +213,27 @@ def test_the_command_refuses_bad_input(files: tuple[str, str], tmp_path: Path) -
         ["--glb", tmp_path / "a.glb", "--context", "-1"],
     ):
         run(*words, *more, code=2)
+
+
+@stores
+def test_a_gap_of_exactly_the_limit_is_within_it(store: dict[str, Any]) -> None:
+    """Of every query: a limit is the largest gap that is reported."""
+    gap = 0.25
+    mockup, tool = feeler.Mockup(CUBE, SIDES), feeler.Tool(CUBE, SIDES)
+    scene, pose = feeler.Scene(mockup, voxel_size=0.5, **store), at(1.0 + gap)
+    both = np.concatenate([CUBE, CUBE + np.array([1.0 + gap, 0, 0])])
+    pair = feeler.Mockup(both, np.concatenate([SIDES, SIDES + 8]), np.repeat([0, 1], 12), ["a", "b"])
+    for within, is_found in ((np.nextafter(gap, 0.0), False), (gap, True), (np.nextafter(gap, 1.0), True)):
+        found = [
+            len(scene.clearance(tool, pose, within)) > 0,
+            len(scene.clearance(tool, pose, within, True)) > 0,
+            len(scene.clearance_batch(tool, [pose], within).parts) > 0,
+            scene.distance(tool, pose, within) is not None and scene.distance(tool, pose, within).value == gap,
+            len(scene.nearest(tool, pose, 3, within=within)) > 0,
+            scene.distance_batch(tool, [pose], within).values[0] == gap,
+            len(scene.contacts(tool, pose, within)) > 0,
+            scene.clearance_along(tool, pose, pose, within=within).upper == gap,
+            scene.rays([[1.0 + gap, 0.4, 0.5]], [[-1, 0, 0]], within=within).triangles[0] >= 0,
+            len(feeler.clash(pair, clearance=within)) > 0,
+        ]
+        assert found == [is_found] * len(found)

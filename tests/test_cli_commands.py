@@ -388,6 +388,9 @@ def test_poses_in_millimetres_are_asked_about(tmp_path: Path) -> None:
     for words in (("collide", *inputs, "--at", "50,50,50"), ("path", *inputs, "--poses", poses)):
         said = run(*words).stderr
         assert "the tool is at least 86.4 m from a mock-up of 0.17 m: poses are in metres" in said
+    poses.write_text(json.dumps([np.eye(4).tolist(), pose.tolist()]))  # the first one is 0 in any unit
+    said = run("path", *inputs, "--poses", poses, code=1).stderr
+    assert "in 1 of 2 poses the tool is up to 86.4 m from a mock-up of 0.17 m: poses are in metres" in said
     assert "poses are in metres" not in run("collide", *inputs, "--at", "0.5,0,0").stderr
     assert "poses are in metres" not in run("clearance", *inputs, "--at", "0.5,0,0").stderr
 

@@ -404,6 +404,8 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.io.body_of": lambda w: (io.body_of, {"mesh": w.mockup}),
     "feeler.io.check_target": lambda w: (io.check_target, {"path": "out.glb"}),
     "feeler.io.csv_table": lambda w: (io.csv_table, {"heading": ["a"], "rows": [[1]]}),
+    "feeler.io.Motion": lambda w: (io.Motion, {"part": 0, "times": np.arange(2.0), "poses": np.stack([np.eye(4)] * 2)}),
+    "feeler.io.animated_glb": lambda w: (io.animated_glb, {"mesh": w.mockup, "motions": []}),
     "feeler.io.with_marks": lambda w: (
         io.with_marks,
         {"body": w.body, "marks": [io.Mark(np.array([0]), (1.0, 0.0, 0.0))]},

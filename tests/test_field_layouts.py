@@ -153,6 +153,13 @@ def test_stl_binary_with_a_wrong_count_is_read_by_its_size(tmp_path, header, cou
     assert f"the header says {count:,} triangles, and the file holds 4" in mockup.report.source.doubts[0]
 
 
+def test_stl_binary_without_a_count_and_with_bytes_behind_it_is_refused_for_that(tmp_path):
+    content = bytearray(stl_binary()) + b"end"
+    content[80:84] = bytes(4)
+    with pytest.raises(LoadError, match="the header says 0 triangles, and 4 triangles and 3 bytes of another follow"):
+        load_mockup(save(tmp_path, "a.stl", bytes(content)), unit="m")
+
+
 @pytest.mark.parametrize("count", [0, 4, 5, 6, 2**32 - 1])
 @pytest.mark.parametrize("cut", [10, 49, 51])
 def test_stl_binary_that_is_cut_is_refused(tmp_path, count, cut):

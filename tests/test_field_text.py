@@ -150,6 +150,8 @@ POSE_TEXTS = {
 @pytest.mark.parametrize("count", [1, 3])
 def test_poses_as_text(tmp_path, layout, encoding, count):
     text = (POSE_TEXTS[layout] + "\n") * count
+    for first in ("sep=;\n", '"sep=;"\n'):  # of Excel
+        assert np.array_equal(read_poses(save(tmp_path, "b.csv", (first + text).encode(encoding))), [POSE] * count)
     poses = read_poses(save(tmp_path, "a.csv", text.replace("\n", "\r\n").encode(encoding)))
     assert np.array_equal(poses, [POSE] * count)
 

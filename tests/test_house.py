@@ -588,6 +588,15 @@ PYTHON_CIRCLES = {
         {"a/low.py": "def late():\n    from .top import use\n"},
         ["bench/a/low.py: imports bench/a/top"],
     ),
+    "by a name": (
+        {"a/low.py": "import importlib\ndef late():\n    return importlib.import_module('a.top').use\n"},
+        ["bench/a/low.py: imports bench/a/top.py and back"],
+    ),
+    "by a name from afar": (
+        {"a/low.py": "from importlib import import_module\nuse = import_module('a.top').use\n"},
+        ["bench/a/low.py: imports bench/a/top.py and back"],
+    ),
+    "by a name that nobody knows": ({"a/low.py": "def late(name):\n    return import_module(name)\n"}, []),
     "for type checkers": (
         {"a/low.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import a.top\n"},
         ["bench/a/low.py: imports bench/a/top"],

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from shapes import at, box, cube, mockup_of, tool_of
 
 import feeler
+from feeler import ignored
 
 # Each query, and whether its answer says that the tool meets or nears anything.
 QUERIES: dict[str, Callable[[feeler.Scene, feeler.Tool, Any], bool]] = {
@@ -152,6 +153,15 @@ def test_pairs_made_once(scene: feeler.Scene, tool: feeler.Tool) -> None:
     for wrong in ((scene.mockup, tool), (tool, scene), (tool, None)):
         with pytest.raises(feeler.MeshError, match=r"feeler\.Tool and a feeler\.Mockup"):
             feeler.IgnoredPairs(*wrong, [])  # type: ignore[arg-type]
+
+
+def test_pairs_beyond_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = {f"p{i}": cube((i, 0, 0), 0.5) for i in range(20)}
+    tool, mockup = tool_of(parts), mockup_of(parts)
+    assert len(feeler.IgnoredPairs(tool, mockup, [("*", "*"), ("p1*", "*")])) == 400
+    monkeypatch.setattr(ignored, "MOST_PAIRS", 399)
+    with pytest.raises(feeler.OptionError, match="ignore names 400 pairs of parts, and 399 are the most"):
+        feeler.IgnoredPairs(tool, mockup, [("*", "*")])
 
 
 def test_a_wrong_tool_is_told_first(scene: feeler.Scene) -> None:

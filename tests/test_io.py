@@ -85,6 +85,15 @@ def test_a_binary_stl_that_counts_too_few_triangles_is_in_doubt(tmp_path):
     assert any("50 bytes after the last triangle" in doubt for doubt in mockup.report.source.doubts)
 
 
+@pytest.mark.parametrize("tail", [stl_binary(), b"x" * 83, b"x" * 149])
+def test_bytes_that_can_hold_triangles_are_a_doubt(tmp_path, tail):
+    """As where two exports were joined to one file."""
+    mockup = load_mockup(save(tmp_path, "part.stl", stl_binary() + tail))
+    assert mockup.triangle_count == 4
+    (doubt,) = mockup.report.source.doubts
+    assert f"{len(tail)} bytes after the last triangle were ignored: the header says 4 triangles" in doubt
+
+
 def polygon_text(name, points):
     count = len(points)
     corners = "".join(f"{x} {y} 0\n" for x, y in points)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 import os
 import re
 import struct
@@ -19,7 +21,8 @@ import feeler
 import feeler.clashes
 import feeler.haptics
 import feeler.picture
-from feeler.io import Mark, WriteError, body_of, with_marks, write_glb, write_stl
+from feeler.errors import OptionError
+from feeler.io import Mark, Motion, WriteError, animated_glb, body_of, with_marks, write_glb, write_stl
 from feeler.picture import write_collision_glb
 
 CUBE_VERTICES = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -147,6 +150,28 @@ def test_glb_colours_are_linear_and_one_primitive_each(tmp_path: Path) -> None:
     assert factors == [[1, 1, 1, 1], [pytest.approx(0.214041, abs=1e-6), 0, 1, 1]]
     marked = document["meshes"][0]["primitives"][1]
     assert document["accessors"][marked["indices"]]["count"] == 6
+
+
+@pytest.mark.parametrize("colour", [(255, 0, 0), (-1, 0, 0), (1e308,) * 3, (0.0, 0.0, math.inf)])
+def test_colours_outside_0_to_1_are_refused(tmp_path: Path, colour: Any) -> None:
+    for colours in (colour, [colour, (0, 0, 0)]):
+        with pytest.raises(OptionError, match=r"colours has \S+: sRGB colours are 0 to 1"):
+            write_glb(tmp_path / "a.glb", cubes(["a", "b"]), colours=colours)
+    body = body_of(cubes(["a"]))
+    with pytest.raises(OptionError, match=r"palette (has .*: sRGB|has a number that is not finite)"):
+        dataclasses.replace(body, palette=np.array([colour, *body.palette]))
+    with pytest.raises(OptionError, match=r"colour (has .*: sRGB|has a number that is not finite)"):
+        Mark(np.array([0]), colour)
+
+
+def test_a_motion_of_a_part_that_is_not_there_is_refused() -> None:
+    poses = np.stack([np.eye(4)] * 2)
+    with pytest.raises(OptionError, match="part"):
+        animated_glb(cubes(["a"]), [Motion(1, np.arange(2.0), poses)])
+    with pytest.raises(OptionError, match="do not ascend"):
+        Motion(0, np.array([1.0, 0.0]), poses)
+    with pytest.raises(OptionError, match="poses has shape"):
+        Motion(0, np.arange(3.0), poses)
 
 
 def test_parts_without_a_colour_of_their_own_get_one_as_those_of_other_mockups() -> None:

@@ -22,7 +22,7 @@ from shapes import Mesh, at, box
 import feeler
 from feeler import _core
 from feeler.errors import LoadError, MeshError, OptionError
-from feeler.tasks import regions
+from feeler.tasks import listed, regions
 from feeler.tasks.regions import Noted, Regions
 from feeler.tasks.watched import WatchedScene
 
@@ -329,7 +329,8 @@ def test_lists_are_checked(tmp_path: Path) -> None:
         ("", "it is empty"),
         ("part\n", "names no part"),
         ("name\ns0/cover\n", "line 1: the column 'name' is unknown"),
-        ("part;keep\ns0/cover;\n", "line 1: its columns are separated by ';'"),
+        ("part;kept\ns0/cover;\n", "line 1: the column 'kept' is unknown"),
+        ("sep=;\npart;keep\n;s0/lid\n", "line 3: the part is missing"),
         ("keep\ns0/cover\n", "line 1: the columns are"),
         ("part,part\ns0/cover,\n", "line 1: the columns are"),
         ("part,people\n\ns0/cover,two\n", "line 3: people is 'two'"),
@@ -347,6 +348,16 @@ def test_lists_are_checked(tmp_path: Path) -> None:
         feeler.maintain(scene, tmp_path / "none.csv")
     file.write_bytes("\ufeffpart,keep,people\r\ns0/cover,s0/lid,2\r\n".encode())
     assert len(feeler.maintain(scene, str(file))) == 1
+    wanted = listed.wanted_of(scene, file)
+    for text in (
+        "part;keep;people\r\ns0/cover;s0/lid;2\r\n",
+        "part\tkeep\tpeople\ns0/cover\ts0/lid\t2\n",
+        "sep=;\r\npart;keep;people\r\n\r\ns0/cover;s0/lid;2\r\n;;\r\n",
+        "people;keep;part\r2;s0/lid;s0/cover\r",
+        'sep=|\npart|keep|people\n"s0/cover"|s0/lid|2',
+    ):
+        file.write_bytes(text.encode())
+        assert listed.wanted_of(scene, file) == wanted
     for given, said in (
         ([], "empty"),
         ("s0/cover", "give a list"),

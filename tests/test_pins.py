@@ -16,6 +16,7 @@ import feeler
 from feeler.plan.fastener_names import retainer_said
 from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
+from feeler.tasks.cotters import _Look
 
 Floats = npt.NDArray[np.float64]
 
@@ -186,3 +187,16 @@ def test_the_halves_of_a_case_come_off_their_blind_dowels() -> None:
 )
 def test_names_of_pins(name: str) -> None:
     assert retainer_said(name) == "pin"
+
+
+def test_neighbours_are_those_of_all_pairs_and_few_are_looked_at() -> None:
+    rng = np.random.default_rng(7)
+    lows = rng.uniform(0.0, 10.0, (400, 3)) * (1.0, 0.2, 0.2)
+    sizes = np.concatenate([rng.uniform(0.01, 0.3, (390, 3)), rng.uniform(1.0, 9.0, (10, 3))])
+    scene = feeler.Scene(mockup_of({f"b{i}": box(lows[i], lows[i] + sizes[i]) for i in range(400)}))
+    look = _Look(scene, [], set())
+    meets = ((lows[:, None] <= lows + sizes) & (lows <= (lows + sizes)[:, None])).all(axis=2)
+    lengths = np.linalg.norm(sizes, axis=1)
+    wanted = (meets & (lengths[None, :] < lengths[:, None])).any(axis=1)
+    assert [look._has_thin_neighbour(part) for part in range(400)] == wanted.tolist() and 20 < wanted.sum() < 300
+    assert np.median([len(look._beside(part)) for part in range(400)]) < 40

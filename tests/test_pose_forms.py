@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import feeler
-from feeler.poses import one_pose
+from feeler.poses import PoseLike, one_pose
 from feeler.workbench.document import motion
 from feeler.workbench.document.arguments import plain_pose
 
@@ -100,6 +100,16 @@ def test_a_query_of_many_poses_says_how_pairs_are_given() -> None:
     with pytest.raises(feeler.PoseError, match=r"one pose, a pair .*: give a list of poses, \[pose\]"):
         SCENE.collide_batch(TRIANGLE, (turns[0], shifts[0]))
     assert len(SCENE.collide_batch(TRIANGLE, list(zip(turns, shifts, strict=True)))) == 3
+
+
+@pytest.mark.parametrize("none", [[], ()])
+def test_no_poses_are_an_empty_batch(none: list[PoseLike] | tuple[PoseLike, ...]) -> None:
+    """A list comprehension may keep nothing."""
+    assert feeler.nearest_rigid(none).shape == (0, 4, 4)
+    for ask in (SCENE.collide_batch, SCENE.distance_batch, SCENE.clearance_batch):
+        assert len(ask(TRIANGLE, none)) == 0
+    with pytest.raises(feeler.PoseError):
+        SCENE.collide(TRIANGLE, none)  # type: ignore[arg-type]
 
 
 def test_a_stack_for_one_pose_says_how_many_it_has() -> None:

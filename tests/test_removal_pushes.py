@@ -173,7 +173,7 @@ def test_a_key_is_turned_and_pulled_by_exact_legs() -> None:
     assert sum(leg.path_length for leg in found.legs) == found.path_length
     assert np.array_equal(found.legs[-1].pose, found.poses[-1])
     tool, rest = feeler.Tool.of_parts(scene.mockup, "part"), scene.without("part")
-    saved = json.loads(json.dumps([leg.as_json() for leg in found.legs]))
+    saved = json.loads(json.dumps([leg.to_dict() for leg in found.legs]))
     path = path_of_json(saved)
     assert path[1] == turn.screw and len(path) == len(found.path)
     assert rest.check_path(tool, path, touching="free").is_free

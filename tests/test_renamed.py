@@ -31,11 +31,18 @@ TOOL = feeler.Tool(*box((0, 0, 0), (0.2, 0.2, 0.2)))
 POSE = np.eye(4)
 AWAY = np.eye(4)
 AWAY[2, 3] = 5.0
+LEG = feeler.RemovalLeg(None, AWAY, 5.0, 0.0, (0.0, 0.0, 1.0))
 
 MOVED: dict[str, Callable[[Any], object]] = {
     "Scene.distance_batch(max=) is now within=": lambda s: s.distance_batch(TOOL, [AWAY], max=9.0),
     "Scene.rays(max=) is now within=": lambda s: s.rays([[0.5, 0.5, 9]], [[0, 0, -1.0]], max=9.0),
     "Scene.contacts(margin=) is now within=": lambda s: s.contacts(TOOL, AWAY, margin=0.01),
+    "ContactTracker.contacts(margin=) is now within=": (
+        lambda s: feeler.ContactTracker(s, TOOL).contacts(AWAY, margin=0.01)
+    ),
+    "Holds.to_dict is now Holds.to_dicts": lambda s: feeler.holds(s).to_dict(),  # type: ignore[attr-defined]
+    "Sight.to_dict is now Sight.to_dicts": lambda s: feeler.sight(s, "b", [[9, 9, 9]]).to_dict(),  # type: ignore[attr-defined]
+    "RemovalLeg.as_json is now RemovalLeg.to_dict": lambda s: LEG.as_json(),  # type: ignore[attr-defined]
     "Scene.penetration(margin=) is now within=": lambda s: s.penetration(TOOL, POSE, margin=0.01),
     "clash(exclude=) is now ignore=": lambda s: feeler.clash(s.mockup, exclude=[("a", "b")]),
     "removal_order(part=) is now parts=": lambda s: feeler.removal_order(s, part="b"),

@@ -125,6 +125,8 @@ def test_a_forced_order_is_kept_and_one_that_cannot_be_is_said(covered: feeler.S
     back = feeler.task(two, ["a", "b"], before=[(second, first)])
     assert [step.part for step in back.steps if step.verb == "undo"] == [second, first]
     assert back.seconds == free.seconds and back.bound <= free.bound
+    for pairs in (np.array([]), iter([(second, first)])):
+        assert feeler.task(two, ["a", "b"], before=pairs).is_found  # type: ignore[arg-type]
     blocked = feeler.task(covered, "cover", driver(), before=[("bolt", "lid")])
     assert not blocked.is_found and "order was forced" in blocked.notes[-1]
     assert not any("no tool reaches it" in each.because for each in blocked.blocked)
@@ -233,6 +235,12 @@ def test_several_tools_and_their_options(covered: feeler.Scene) -> None:
     thick = feeler.Tool(*box((-0.03, 0.0005, -0.03), (0.03, 0.05, 0.03)), name="thick")
     task = feeler.task(covered, "cover", {"thick": (thick, {"grip": "y"}), "thin": driver()}, keep="case")
     assert set(task.tools) <= {"thick", "thin"} and task.is_found
+    one, same = (feeler.task(covered, "cover", each) for each in ((driver(),), [driver()]))  # type: ignore[list-item]
+    assert [step.because for step in one.steps] == [step.because for step in same.steps] and one.tools == same.tools
+    odd: Any
+    for odd in ((), [()], ("a",), [("a",)], {"w": ()}, {"w": (driver(),)}):
+        with pytest.raises((OptionError, MeshError), match="tools"):
+            feeler.task(covered, "cover", odd)
     for bad in ([], {"a": 3}, "catalogue", (driver(), {"grab": "y"}), [driver(), driver()], (driver(), {"lift": "x"})):
         with pytest.raises((OptionError, MeshError, LoadError)):
             feeler.task(covered, "cover", bad)

@@ -13,7 +13,7 @@ Import = ast.Import | ast.ImportFrom
 
 
 def import_nodes(path: Path) -> tuple[Import, ...]:
-    """The imports of a file, those inside functions too."""
+    """The imports of a file, those inside functions and those of `import_module("...")` too."""
     state = path.stat()
     return _import_nodes(path, state.st_mtime_ns, state.st_size)
 
@@ -21,7 +21,19 @@ def import_nodes(path: Path) -> tuple[Import, ...]:
 @cache  # the checks ask several times, and for each name of a door
 def _import_nodes(path: Path, *_: int) -> tuple[Import, ...]:
     tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
-    return tuple(node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom))
+    found = (node if isinstance(node, Import) else late_import(node) for node in ast.walk(tree))
+    return tuple(node for node in found if node is not None)
+
+
+def late_import(node: ast.AST) -> ast.Import | None:
+    """The import that a call of `import_module` with a literal is."""
+    if not isinstance(node, ast.Call) or len(node.args) != 1 or not isinstance(node.args[0], ast.Constant):
+        return None
+    called, name = node.func, node.args[0].value
+    said = called.attr if isinstance(called, ast.Attribute) else called.id if isinstance(called, ast.Name) else ""
+    if said not in ("import_module", "__import__") or not isinstance(name, str):
+        return None
+    return ast.Import([ast.alias(name)], lineno=node.lineno, col_offset=node.col_offset)
 
 
 class Sources:
@@ -42,8 +54,9 @@ class Sources:
     def arrows(self, files: Collection[Path] | None = None) -> Arrows:
         """From each file to those whose names it imports, with the names and the line of each.
 
-        Imports inside functions and for type checkers count as well: they are knowledge too. What a package's
-        `__init__.py` takes from below itself does not: it is a door, and imports through it lead to the file behind.
+        Imports inside functions, by `import_module` and for type checkers count as well: they are knowledge too. What a
+        package's `__init__.py` takes from below itself does not: it is a door, and imports through it lead to the file
+        behind.
         """
         found: Arrows = {}
         for path in self.files() if files is None else files:

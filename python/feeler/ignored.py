@@ -16,6 +16,12 @@ from feeler.parts import PartsLike
 from feeler.travel import reduced
 from feeler.words import plural
 
+MOST_PAIRS = 100_000_000
+"""Most pairs that are listed one by one: 800 MB."""
+
+Group = tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]
+"""Two groups of parts, as indices: every combination of the two is a pair."""
+
 
 class IgnoredPairs(_core.IgnoredPairs):
     """Pairs of a tool part and a mock-up part that queries skip: pass it as their `ignore=`.
@@ -24,7 +30,8 @@ class IgnoredPairs(_core.IgnoredPairs):
     ("*", 17)]` means every combination of the two. An integer array `(k, 2)` of indices works as well. `ignore=` also
     takes such a list directly; an `IgnoredPairs` saves looking it up at each query.
 
-    Raises `OptionError` for parts that do not exist, and for entries that are not pairs.
+    Raises `OptionError` for parts that do not exist, for entries that are not pairs, and for more than 100 million
+    pairs.
     """
 
     pairs: npt.NDArray[np.uint32]
@@ -81,29 +88,66 @@ def pairs_of_parts(
 ) -> npt.NDArray[np.uint32]:
     """Pairs of parts as `IgnoredPairs` takes them, as indices `(k, 2)`; unique, sorted.
 
-    option, whose: the names of the argument and the two meshes in errors. Raises `OptionError`.
+    option, whose: the names of the argument and the two meshes in errors. Raises `OptionError`, also for more than
+    `MOST_PAIRS` pairs.
     """
-    if isinstance(pairs, np.ndarray):
-        if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
-            raise OptionError(
-                f"{option} has shape {pairs.shape} and dtype {pairs.dtype}: (k, 2) whole numbers are needed"
-            )
-        for column, count, of in ((0, one.part_count, whose[0]), (1, other.part_count, whose[1])):
-            outside = (pairs[:, column] < 0) | (pairs[:, column] >= count)
-            if outside.any():
-                raise OptionError(f"the {of} has no part {pairs[outside][0, column]}: it has {count}, 0 to {count - 1}")
-        return np.unique(pairs.astype(np.uint32), axis=0)
+    if not isinstance(pairs, np.ndarray):
+        return listed(groups_of_parts(one, other, pairs, option, whose), other.part_count, option)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
+        raise OptionError(f"{option} has shape {pairs.shape} and dtype {pairs.dtype}: (k, 2) whole numbers are needed")
+    for column, count, of in ((0, one.part_count, whose[0]), (1, other.part_count, whose[1])):
+        outside = (pairs[:, column] < 0) | (pairs[:, column] >= count)
+        if outside.any():
+            raise OptionError(f"the {of} has no part {pairs[outside][0, column]}: it has {count}, 0 to {count - 1}")
+    return _unique(_keys(pairs[:, 0], pairs[:, 1], other.part_count), other.part_count)
+
+
+def groups_of_parts(
+    one: Tool | Mockup,
+    other: Mockup,
+    pairs: Any,
+    option: str = "ignore",
+    whose: tuple[str, str] = ("tool", "mock-up"),
+) -> list[Group]:
+    """Pairs as `IgnoredPairs` takes them, except arrays: of each the two groups of parts, as indices.
+
+    option, whose: as in `pairs_of_parts`. Raises `OptionError`.
+    """
     if isinstance(pairs, (str, bytes)) or not isinstance(pairs, Iterable):
         raise OptionError(f"{option} is {shown(pairs)}: give pairs of parts, such as [('hand', '*gasket*')]")
-    rows = [np.empty((0, 2), np.uint32)]
+    groups = []
     for pair in pairs:
         if isinstance(pair, (str, bytes)) or not hasattr(pair, "__len__") or len(pair) != 2:
             wanted = "of two parts" if whose[0] == whose[1] else f"of a {whose[0]}'s and a {whose[1]}'s part"
             raise OptionError(f"{option} holds {shown(pair)}: give pairs {wanted}")
         ours = _selected(one, pair[0], f"{option}, of the {whose[0]}")
-        theirs = _selected(other, pair[1], f"{option}, of the {whose[1]}")
-        rows.append(np.stack(np.meshgrid(ours, theirs, indexing="ij"), axis=-1).reshape(-1, 2).astype(np.uint32))
-    return np.unique(np.concatenate(rows), axis=0)
+        groups.append((ours, _selected(other, pair[1], f"{option}, of the {whose[1]}")))
+    return groups
+
+
+def listed(groups: Iterable[Group], count: int, option: str = "ignore") -> npt.NDArray[np.uint32]:
+    """Every combination within each of the groups, `(k, 2)`; unique, sorted. count: of the parts on the second side.
+
+    Raises `OptionError` for more than `MOST_PAIRS`.
+    """
+    given = list(groups)
+    number = sum(len(ours) * len(theirs) for ours, theirs in given)
+    if number > MOST_PAIRS:
+        raise OptionError(f"{option} names {number:,} pairs of parts, and {MOST_PAIRS:,} are the most: use fewer")
+    keys = [_keys(ours[:, None], theirs[None, :], count).ravel() for ours, theirs in given]
+    return _unique(np.concatenate([np.empty(0, np.int64), *keys]), count)
+
+
+def _keys(ours: npt.NDArray[Any], theirs: npt.NDArray[Any], count: int) -> npt.NDArray[np.int64]:
+    """A number for each pair, in the order of the pairs."""
+    return np.asarray(ours.astype(np.int64) * count + theirs.astype(np.int64))
+
+
+def _unique(keys: npt.NDArray[np.int64], count: int) -> npt.NDArray[np.uint32]:
+    """The pairs of these numbers, `(k, 2)`; unique, sorted."""
+    keys.sort()  # faster than np.unique, which looks up each number
+    keys = keys[np.diff(keys, prepend=-1) > 0]
+    return np.stack(np.divmod(keys, max(count, 1)), axis=1).astype(np.uint32)
 
 
 def _selected(mesh: Tool | Mockup, parts: PartsLike, where: str) -> npt.NDArray[np.uint32]:

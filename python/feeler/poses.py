@@ -79,6 +79,8 @@ def plain_each(poses: object) -> object:
     """Many poses as NumPy reads them. Raises PoseError for lists that it cannot read."""
     if not isinstance(poses, (list, tuple)):
         return plain(poses)
+    if not len(poses):
+        return np.zeros((0, 4, 4))  # as a comprehension gives where nothing is left
     if len(poses) == 2:
         shapes = _shapes(poses)
         if shapes == [(3, 3), (3,)]:

@@ -332,7 +332,7 @@ class Scene(_core.Scene):
         *,
         ignore: Ignore = None,
     ) -> Clearance:
-        """The parts nearer than `within` (metres) with the tool at a pose `(4, 4)`: a row for each, nearest first.
+        """The parts not farther than `within` (metres) with the tool at a pose `(4, 4)`: a row for each, nearest first.
 
         With `triangles`, a row for each pair of triangles. A distance is 0 if and only if they collide; otherwise its
         error is at most 1.4e-14 of the largest difference of coordinates of the two triangles. If several pairs have
@@ -534,7 +534,7 @@ class Scene(_core.Scene):
     ) -> Contacts:
         """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
 
-        They represent all collisions and all surfaces nearer than `within` (metres), and do not depend on the
+        They represent all collisions and all surfaces not farther than `within` (metres), and do not depend on the
         triangulation. With more than 6 deep planes the distance shrinks, to 0 at 12; if more than a million pairs of
         triangles are within it, it is halved until they are fewer. Unless 12 planes are deep, each colliding part has a
         plane that is not a gap.
@@ -646,7 +646,8 @@ def open_scene(
     as for `Scene`.
 
     While a scene is open, replace its file only by `Scene.save`, or by renaming another file to it: never change it in
-    place. Raises `MissingFileError`, and `LoadError` for a file that is none, has another layout, or is damaged.
+    place. Raises `MissingFileError`, and `LoadError` for a file that is no saved scene, has another layout, or is
+    damaged.
     """
     limit = _memory_limit(memory_limit)
     check_progress(progress)
@@ -693,6 +694,7 @@ class ContactTracker(_core.ContactTracker):
         self.last_free = last_free
         return self
 
+    @keywords({"margin": "within"})
     def contacts(self, world_from_tool: PoseLike, within: float = 0.002) -> Contacts:
         """`Scene.contacts` with the last free pose as reference; a pose without a collision becomes the next one."""
         return super().contacts(world_from_tool, _within(within, endless=False))

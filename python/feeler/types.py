@@ -46,28 +46,36 @@ from feeler.choices import (
     ViewUnit,
 )
 from feeler.clashes.finding import Exclude
-from feeler.clashes.rules import RulesLike
+from feeler.clashes.rules import RulesLike, WordsLike
 from feeler.clashes.shapes import Shapes
 from feeler.clashes.table import Columns, VerdictLike
 from feeler.figures import CollisionStats, DeviceLimits, SceneMemory
 from feeler.haptics.record import Recorder
 from feeler.ignored import Ignore
+from feeler.interchange.urdf import PackageDirs
 from feeler.io.body import Colour, MeshLike
 from feeler.io.files import PathLike
+from feeler.mechanism.positions import Values
 from feeler.mockup import Defect, LoadReport
 from feeler.parts import Part, Parts, PartsLike
 from feeler.picture.collision import Hits
+from feeler.plan.reaching import Hand
 from feeler.poses import HasMatrix, PoseLike, PosesLike
 from feeler.progress import Progress
+from feeler.requirements import RequirementsLike
 from feeler.source import Source
 from feeler.tasks.listed import MaintainParts
 from feeler.tasks.reached import TaskTools
 from feeler.tasks.times import TimesLike
 from feeler.workbench.document.arguments import VectorLike
 from feeler.workbench.document.protocol import Camera as ViewCamera
-from feeler.workbench.document.protocol import CommandAnswer, Material, MeasureType
+from feeler.workbench.document.protocol import CardQuestion, CommandAnswer, GivenWay, Material, MeasureType
+from feeler.workbench.document.protocol_findings import FindingStatus, RequirementResult
+from feeler.workbench.document.protocol_task import TaskEditKind
+from feeler.workbench.document.protocol_values import Vec3
 
 __all__ = [
+    "CardQuestion",
     "Chord",
     "CollisionStats",
     "Colour",
@@ -84,9 +92,12 @@ __all__ = [
     "Exclude",
     "FastenerKind",
     "Fault",
+    "FindingStatus",
     "Geometry",
+    "GivenWay",
     "GripAxis",
     "GroupBy",
+    "Hand",
     "HandGrip",
     "HasMatrix",
     "Hits",
@@ -100,6 +111,7 @@ __all__ = [
     "MechanismSeatKind",
     "MeshLike",
     "OpeningShape",
+    "PackageDirs",
     "Part",
     "Parts",
     "PartsLike",
@@ -111,6 +123,8 @@ __all__ = [
     "Progress",
     "ProxyMode",
     "Recorder",
+    "RequirementResult",
+    "RequirementsLike",
     "RulesLike",
     "SampleName",
     "SampleToolName",
@@ -124,16 +138,20 @@ __all__ = [
     "Status",
     "StlUnit",
     "Storage",
+    "TaskEditKind",
     "TaskTools",
     "TaskVerb",
     "TimesLike",
     "Touching",
     "UnitName",
     "UpAxis",
+    "Values",
+    "Vec3",
     "VectorLike",
     "VerdictLike",
     "VerdictName",
     "ViewCamera",
     "ViewMode",
     "ViewUnit",
+    "WordsLike",
 ]

@@ -5,7 +5,23 @@ import numpy.typing as npt
 from typing_extensions import assert_type
 
 import feeler
-from feeler.types import CollisionStats, PartsLike, PoseLike, Storage
+from feeler.types import (
+    CardQuestion,
+    CollisionStats,
+    FindingStatus,
+    GivenWay,
+    Hand,
+    PackageDirs,
+    PartsLike,
+    PoseLike,
+    RequirementResult,
+    RequirementsLike,
+    Storage,
+    TaskEditKind,
+    Values,
+    Vec3,
+    WordsLike,
+)
 
 mockup = feeler.load_mockup("engine.step")
 tool = feeler.load_tool("wrench.stl")
@@ -21,6 +37,19 @@ report: feeler.LoadReport = mockup.report
 defect: feeler.Defect = report.defects["zero_area"]
 truth: feeler.samples.Truth = feeler.sample_truth("gearbox")
 fits: list[feeler.samples.Fit] = [fit for fit in truth.fits if fit.flush]
+
+
+Known = tuple[
+    CardQuestion, FindingStatus, GivenWay, PackageDirs, RequirementResult, TaskEditKind, Values, Vec3, WordsLike
+]
+
+
+def reached_by(hand: Hand) -> feeler.Access:
+    return feeler.access(scene, tool, hand=hand)
+
+
+def verified(limits: RequirementsLike, start: PoseLike) -> bool:
+    return bool(feeler.verify(scene, limits)) and feeler.removal_order(scene, "a", start=start).is_found
 
 
 def is_free_at(where: PoseLike, without: PartsLike) -> bool:

@@ -66,6 +66,6 @@ def _nothing(clashes: Clashes) -> str:
     if facts.clearance == 0.0:
         return "no pair of parts collides. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
     return (
-        f"no pair of parts collides, or is nearer than {length(facts.clearance)}. Pass a larger clearance to find "
-        "the nearest pairs"
+        f"no pair of parts collides, or is within {length(facts.clearance)} of each other. Pass a larger clearance to "
+        "find the nearest pairs"
     )

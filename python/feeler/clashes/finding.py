@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterable
 from dataclasses import replace
@@ -14,7 +15,7 @@ from feeler import _core
 from feeler.arguments import check_flag, check_length, check_progress, check_threads
 from feeler.choices import Chord
 from feeler.clashes.fastener_rule import shape_of
-from feeler.clashes.limits import CONTACT_ROUNDINGS, Limits, limits, only_with
+from feeler.clashes.limits import CONTACT_ROUNDINGS, Limits, limits, only_with, without_groups
 from feeler.clashes.openness import open_holders
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import RulesLike, is_chord, rules_from
@@ -24,6 +25,7 @@ from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.clashes.tracking import part_keys
 from feeler.clashes.words import named
 from feeler.errors import MeshError, OptionError
+from feeler.ignored import Group, groups_of_parts, listed, pairs_of_parts
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
 from feeler.progress import Progress
@@ -35,6 +37,8 @@ Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 _STAGES = ("finding colliding parts", "measuring clearances", "measuring depths")
 _LARGEST_M = 1e40
 """Largest coordinate of a check. Beyond 1e47 m depths overflow: they need products of several lengths."""
+MANY_PAIRS = 10_000
+"""Two patterns of `ignore` with more combinations are skipped by classes of parts; others are listed, pair by pair."""
 _INDEXED, _FOUND = 0.2, 0.9  # share of the progress when the index, and when the pairs are done
 
 
@@ -62,7 +66,7 @@ def clash(
     progress: Progress | None = None,
     parts: PartsLike | None = None,
 ) -> Clashes:
-    """All pairs of parts that overlap, touch, contain each other, or are nearer than `clearance`; the worst first.
+    """All pairs of parts that overlap, touch, contain each other, or are within `clearance` of each other; worst first.
 
     - `clearance`: metres. 0 finds only parts that collide.
     - `contact`: metres. Parts count as in contact up to this depth, and up to this gap; at least by the
@@ -182,18 +186,22 @@ def checked_limits(clearance: float, contact: float | Chord, volume: bool) -> tu
 def _limits(
     mockup: Mockup, clearance: float, contact: float | Chord, rules: RulesLike | None, exclude: Exclude | None
 ) -> Limits:
-    pairs = _pairs(mockup, exclude)
-    chord = mockup.source.chord_tolerance
-    return limits(
+    wide, pairs = _skipped(mockup, exclude)
+    found = limits(
         rules_from(rules),
         mockup.parts,
         mockup.part_paths,
         clearance,
         contact,
-        chord,
+        mockup.source.chord_tolerance,
         pairs,
         shape_of(mockup),
         _least_contact(mockup),
+    )
+    if not wide:
+        return found
+    return without_groups(found, wide) or replace(
+        found, exclude=np.concatenate([pairs, listed(wide, mockup.part_count)])
     )
 
 
@@ -211,13 +219,17 @@ def _least_contact(mockup: Mockup) -> float:
     return CONTACT_ROUNDINGS * mockup.source.rounding
 
 
-def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
-    """The excluded pairs of parts, `(k, 2)`, unordered."""
+def _skipped(mockup: Mockup, exclude: Exclude | None) -> tuple[list[Group], npt.NDArray[np.uint32]]:
+    """The pairs of parts to skip, in either order: two groups of many combinations, and other pairs, `(k, 2)`."""
     if exclude is None:
-        return np.empty((0, 2), dtype=np.uint32)
-    from feeler.ignored import pairs_of_parts
-
-    return pairs_of_parts(mockup, mockup, exclude, "ignore", ("mock-up", "mock-up"))
+        return [], np.empty((0, 2), dtype=np.uint32)
+    whose = ("mock-up", "mock-up")
+    if isinstance(exclude, np.ndarray):
+        return [], pairs_of_parts(mockup, mockup, exclude, "ignore", whose)
+    groups = groups_of_parts(mockup, mockup, exclude, "ignore", whose)
+    wide = [len(ours) * len(theirs) > MANY_PAIRS for ours, theirs in groups]
+    few = listed(itertools.compress(groups, (not each for each in wide)), mockup.part_count)
+    return list(itertools.compress(groups, wide)), few
 
 
 def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int], ...]]:

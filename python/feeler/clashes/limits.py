@@ -143,6 +143,34 @@ def only_with(found: Limits, chosen: npt.NDArray[np.bool_]) -> Limits:
     )
 
 
+def without_groups(
+    found: Limits, groups: Sequence[tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]]
+) -> Limits | None:
+    """The limits without any pair of a part of the first group with one of the second, in either order, by classes:
+    no pair is listed. None if this needs more than `CLASS_LIMIT` classes."""
+    sides = np.zeros((len(found.class_of_part), 2 * len(groups)), dtype=bool)
+    for column, parts in enumerate(part for group in groups for part in group):
+        sides[parts, column] = True
+    packed = np.packbits(sides, axis=1).astype(np.uint32)
+    kinds, first, class_of_part = np.unique(
+        np.column_stack([found.class_of_part, packed]), axis=0, return_index=True, return_inverse=True
+    )
+    if len(kinds) > CLASS_LIMIT:
+        return None
+    before = kinds[:, 0]
+    of_classes = found.of_classes[np.ix_(before, before)]
+    for number in range(len(groups)):
+        of_classes[_meets(sides[first], number)] = -1
+    asked = of_classes >= 0
+    return replace(
+        found,
+        of_classes=of_classes,
+        class_of_part=class_of_part.reshape(-1).astype(np.uint32),
+        clearance=np.where(asked, found.clearance[np.ix_(before, before)], NOT_ASKED),
+        contact=np.where(asked, found.contact[np.ix_(before, before)], 0.0),
+    )
+
+
 def both_sides(parts: Parts, each: Rule | Exclusion) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     """The parts that the patterns `a` and `b` name, as masks. Raises `OptionError` for patterns that name none."""
     return _Named(parts, [part.path for part in parts], "rules").both(repr(each.name), each)

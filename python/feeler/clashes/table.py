@@ -441,7 +441,13 @@ class Table(OldAttributes, Sequence[Clash]):
             if isinstance(index, np.ndarray) and index.dtype == bool and index.shape != (len(self),):
                 raise OptionError(f"a mask of shape {index.shape} does not fit {len(self)} rows: give one entry each")
             return self._some(self.columns.rows(index))
-        return self._row(range(len(self))[index])
+        try:
+            return self._row(range(len(self))[index])
+        except IndexError:
+            rows = f"there are {len(self)}, 0 to {len(self) - 1}" if len(self) else "there is none"
+            raise IndexError(f"there is no finding {index}: {rows}") from None
+        except TypeError:
+            raise TypeError(f"a finding is indexed by its row, not by {shown(index)}: see ids.index(id)") from None
 
     def __iter__(self) -> Iterator[Clash]:
         return (self._row(row) for row in range(len(self)))

@@ -216,14 +216,22 @@ _FAR = 10.0
 
 
 def warn_of_far_poses(world: feeler.Mockup, probe: feeler.Tool, poses: Poses) -> None:
-    """Warns on stderr if no pose brings the tool near the mock-up."""
+    """Warns on stderr if poses are far from the mock-up: the first may be its own place, which is 0 in any unit."""
     lower, upper = world.bounds
     middle, reach = probe.bounds.mean(axis=0), 0.5 * float(np.linalg.norm(probe.bounds[1] - probe.bounds[0]))
     places = poses[:, :3, :3] @ middle + poses[:, :3, 3]
     gaps = np.linalg.norm(np.maximum(0.0, np.maximum(lower - places, places - upper)), axis=1) - reach
     size = float(np.linalg.norm(upper - lower))
-    if len(poses) and float(gaps.min()) > _FAR * (size + 2.0 * reach):
-        warn(f"the tool is at least {gaps.min():.3g} m from a mock-up of {size:.2g} m: poses are in metres")
+    far = gaps[gaps > _FAR * (size + 2.0 * reach)]
+    if not len(far):
+        return
+    if len(far) == len(gaps):
+        warn(f"the tool is at least {far.min():.3g} m from a mock-up of {size:.2g} m: poses are in metres")
+    else:
+        warn(
+            f"in {len(far):,} of {len(gaps):,} poses the tool is up to {far.max():.3g} m from a mock-up of {size:.2g} "
+            "m: poses are in metres"
+        )
 
 
 def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None) -> None:

@@ -412,7 +412,7 @@ def _way(target: Path, removal: feeler.Removal) -> bytes:
     if target.suffix.lower() == ".json":
         import json
 
-        legs = [leg.as_json() | {"says": str(leg)} for leg in removal.legs]
+        legs = [leg.to_dict() | {"says": str(leg)} for leg in removal.legs]
         return json.dumps({"legs": legs, "poses": removal.poses.tolist()}).encode()
     import io
 
@@ -438,7 +438,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
             "path_length_m": one.path_length,
             "rotation_rad": one.rotation,
             "clearance_m": one.clearance,
-            "legs": [leg.as_json() | {"says": str(leg)} for leg in one.legs],
+            "legs": [leg.to_dict() | {"says": str(leg)} for leg in one.legs],
             "poses": one.poses,
         }
     return facts

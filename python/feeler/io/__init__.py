@@ -12,7 +12,7 @@ from feeler.atomic import check_target
 from feeler.errors import WriteError
 from feeler.io.body import Body, Mark, MeshLike, body_of, with_marks
 from feeler.io.csv_table import csv_table
-from feeler.io.export import write_glb, write_stl
+from feeler.io.export import Motion, animated_glb, write_glb, write_stl
 from feeler.io.load import load_mockup, load_tool
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import KNOWN_UNITS
@@ -23,7 +23,9 @@ __all__ = [
     "Body",
     "Mark",
     "MeshLike",
+    "Motion",
     "WriteError",
+    "animated_glb",
     "body_of",
     "check_target",
     "csv_table",

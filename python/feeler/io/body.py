@@ -61,7 +61,7 @@ class Body:
 
     def __post_init__(self) -> None:
         vertices = check_array("vertices", self.vertices, (None, 3), is_finite=False)
-        check_array("palette", self.palette, (None, 3))
+        _check_srgb("palette", check_array("palette", self.palette, (None, 3)))
         faces: Any = self.faces
         if not isinstance(faces, np.ndarray) or faces.dtype.kind not in "iu" or faces.shape[1:] != (3,):
             raise MeshError(f"faces is {shown(faces)}: give whole numbers, (m, 3)")
@@ -122,13 +122,15 @@ def body_of(
     colours: None (the mesh's own `part_colours`, else one per assembly), one (3,) sRGB colour, or (parts, 3), one per
     part.
     pose: world_from_mesh, (4, 4), metres; None leaves the mesh where it is.
-    Raises `PoseError` for a pose that is not rigid, `MeshError` if a face refers to a vertex that does not exist.
+    Raises `PoseError` for a pose that is not rigid, `MeshError` if a face refers to a vertex that does not exist,
+    `OptionError` for colours that are not 0 to 1.
     """
     if isinstance(mesh, Body):
         return mesh
     if isinstance(mesh, type) or not hasattr(mesh, "vertices") or not hasattr(mesh, "faces"):
         raise MeshError(
-            f"a {type(mesh).__name__} is no mesh: pass a mock-up, a tool, or an object with vertices and faces"
+            f"{type(mesh).__name__} objects are not meshes: pass a mock-up, a tool, or an object with vertices and "
+            "faces"
         )
     check_flag("cut", cut)
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
@@ -164,7 +166,7 @@ class Mark:
     colour: Colour
 
     def __post_init__(self) -> None:
-        check_array("colour", self.colour, (3,))
+        _check_srgb("colour", check_array("colour", self.colour, (3,)))
         check_ids("faces", self.faces, 2**32)
 
 
@@ -238,6 +240,13 @@ def _bytes(name: str) -> bytes:
     return name.encode("utf-8", "replace")
 
 
+def _check_srgb(what: str, table: FloatArray) -> None:
+    """NaN passes: a part without a colour of its own."""
+    outside = table[(table < 0.0) | (table > 1.0)]
+    if len(outside):
+        raise OptionError(f"{what} has {outside[0]:g}: sRGB colours are 0 to 1; divide numbers up to 255 by 255")
+
+
 def _palette(colours: Any, paths: tuple[str, ...]) -> tuple[FloatArray, IntArray]:
     # A colour per assembly (all but the last name of the path); crc32, because hash() changes between runs.
     groups = np.array([zlib.crc32(_bytes(path.rpartition("/")[0] or path)) for path in paths], dtype=np.int64)
@@ -248,6 +257,7 @@ def _palette(colours: Any, paths: tuple[str, ...]) -> tuple[FloatArray, IntArray
         table = np.array(colours, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise OptionError(f"colours is {shown(colours)}: pass (3,) or one row per part, ({len(paths)}, 3)") from None
+    _check_srgb("colours", table)
     if table.shape == (3,):
         return table[None, :], np.zeros(len(paths), dtype=np.int64)
     if table.shape == (len(paths), 3):

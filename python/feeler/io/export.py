@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_word
+from feeler.arguments import check_array, check_kind, check_list, check_whole, check_word
 from feeler.atomic import atomic_file
 from feeler.choices import STL_UNITS, StlUnit
-from feeler.errors import MeshError
+from feeler.errors import MeshError, OptionError
 from feeler.io.body import Body, FloatArray, MeshLike, body_of
 from feeler.io.gltf_document import OWN_GENERATOR
 from feeler.poses import quaternion
@@ -66,17 +66,27 @@ class Motion:
     times: FloatArray
     poses: FloatArray
 
+    def __post_init__(self) -> None:
+        check_whole("part", self.part, 0)
+        times = check_array("times", self.times, (None,))
+        if (np.diff(times) < 0.0).any():
+            raise OptionError("times do not ascend: give seconds, (k,), in order")
+        check_array("poses", self.poses, (len(times), 4, 4))
+
 
 def animated_glb(mesh: MeshLike, motions: Sequence[Motion], *, colours: npt.ArrayLike | None = None) -> bytes:
     """A binary glTF 2.0 file of a mock-up, tool or body whose parts move; `part` of a motion is one of the mesh's.
 
-    As `write_glb`; between two poses a part moves straight, and turns the shorter way. Raises `MeshError`.
+    As `write_glb`; between two poses a part moves straight, and turns the shorter way. Raises `MeshError`,
+    and `OptionError` for parts that are not there.
     """
     body = body_of(mesh, colours=colours)
     document = _Document()
     document.add(body)
-    for each in motions:
-        document.animate(each)
+    for each in check_list("motions", motions, "a list of feeler.io.Motion"):
+        motion = check_kind("motions", each, Motion, "feeler.io.Motion objects")
+        check_whole("part", motion.part, 0, len(body.paths) - 1)
+        document.animate(motion)
     chunks = document.chunks()
     if sum(len(chunk) for chunk in chunks) >= 2**32:
         raise MeshError("the animation would have more than 4 GiB, where GLB ends: show fewer parts")

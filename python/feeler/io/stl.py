@@ -87,6 +87,11 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) 
             "missing, export the file again"
         )
         count = whole
+    if count == 0 and rest and whole:
+        raise LoadError(
+            f"{path}: the header says 0 triangles, and {whole:,} triangles and {rest} bytes of another follow: the "
+            "file is truncated, or the bytes do not belong to it; copy or export it again"
+        )
     if _HEADER + 50 * count > size:
         raise LoadError(
             f"{path}: the header promises {count:,} triangles ({_HEADER + 50 * count:,} bytes), the file has {size:,} "
@@ -95,9 +100,11 @@ def _read_binary(path: Path, size: int, head: bytes, progress: Progress | None) 
     check_mesh(3 * count, count, 1, str(path))
     notes: list[str] = []
     if size > _HEADER + 50 * count:
-        note = f"{size - _HEADER - 50 * count:,} bytes after the last triangle were ignored"
-        # Whole records may be triangles that the header did not count.
-        (notes if rest else doubts).append(note if rest else f"{note}: the header says {count:,} triangles")
+        surplus = size - _HEADER - 50 * count
+        note = f"{surplus:,} bytes after the last triangle were ignored"
+        # They may be triangles that the header did not count, or another file.
+        is_doubt = surplus >= _RECORD.itemsize
+        (doubts if is_doubt else notes).append(f"{note}: the header says {count:,} triangles" if is_doubt else note)
     if progress:
         progress(0.0, f"reading {path.name}")
     records = np.fromfile(path, dtype=_RECORD, count=count, offset=_HEADER)

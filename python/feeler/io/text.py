@@ -96,6 +96,10 @@ def utf8_text(data: bytes, path: Path) -> str:
         ) from None
 
 
+SEPARATOR_LINE = re.compile(r'"?sep=(.)"?[ \t]*(?:\r\n|[\r\n]|\Z)', re.IGNORECASE)
+"""The first line with which Excel says what separates columns."""
+
+
 def numbers_of(text: str, each: int, what: str) -> list[float]:
     """Return the numbers in a text, split by blanks, lines, commas or semicolons.
 
@@ -103,7 +107,8 @@ def numbers_of(text: str, each: int, what: str) -> list[float]:
     ("0.5, 1.0"): with decimal commas, every word is a number, and there are as many as there should be. Raises
     `ValueError` for a word that is no number, and where their number is no multiple of `each`.
     """
-    words = text.replace(";", " ").split()
+    said = SEPARATOR_LINE.match(text)
+    words = text[said.end() if said else 0 :].replace(";", " ").split()
     if not ("," in text and len(words) % each == 0 and all(_DECIMAL_COMMA.fullmatch(word) for word in words)):
         words = [word for part in words for word in part.split(",") if word]
     numbers = []

@@ -53,7 +53,7 @@ class MechanismContact:
     """Unit, world, from the other part to the moving one; zero where it is unknown."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return {**vars(self), "point": list(self.point), "normal": list(self.normal)}
 
 
@@ -81,7 +81,7 @@ class Range:
     one turn, or twice the size of the mock-up."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         found = dict(vars(self))
         found["below"] = None if self.below is None else self.below.to_dict()
         found["above"] = None if self.above is None else self.above.to_dict()

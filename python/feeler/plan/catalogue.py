@@ -151,7 +151,7 @@ def catalogue(path: str | os.PathLike[str] | None = None) -> Catalogue:
     """The tools in a TOML file, or the built-in ones: our own numbers, of the kinds of ISO 1173, 2725, 3318 and 10102.
 
     `feeler access --write-catalogue tools.toml` writes the built-in file, which explains itself. Raises `LoadError`
-    for a file that is none, naming the table, and `MissingFileError`.
+    for an invalid file, naming the table, and `MissingFileError`.
     """
     if path is None:
         return _built_in()

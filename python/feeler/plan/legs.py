@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from feeler import _core
 from feeler._core import Screw
 from feeler.field_docs import documented
+from feeler.renamed import OldAttributes
 
 STRAIGHT_RAD = 1e-6
 """A leg with a smaller rotation is straight."""
@@ -24,8 +26,10 @@ _UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"))
 
 @documented
 @dataclass(frozen=True, eq=False)
-class RemovalLeg:
+class RemovalLeg(OldAttributes):
     """One leg of a way, from the end of the previous one; the first begins where the parts are."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"as_json": "to_dict"}
 
     screw: Screw | None
     """A rotation about a world axis with an advance along it, exact; None: a motion to `pose`, as in `Scene.cast`."""
@@ -51,7 +55,7 @@ class RemovalLeg:
             return f"turn {math.degrees(self.rotation):.3g} degrees in place"
         return f"move {_length(self.path_length)} and turn {math.degrees(self.rotation):.3g} degrees"
 
-    def as_json(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """`{"screw": {...}}` or `{"to": pose}`, as `feeler remove --json` writes a leg and `feeler path` reads it."""
         if self.screw is None:
             return {"to": self.pose.tolist()}
@@ -87,7 +91,7 @@ def legs_of(
 
 
 def path_of_json(legs: list[dict[str, Any]]) -> list[npt.NDArray[np.float64] | Screw]:
-    """A path as `Scene.check_path` takes it, from legs as `RemovalLeg.as_json` gives them.
+    """A path as `Scene.check_path` takes it, from legs as `RemovalLeg.to_dict` gives them.
 
     Raises `ValueError` for entries that are not legs, `OptionError` for numbers that do not define a screw.
     """

@@ -94,7 +94,7 @@ class Opening:
     """One for each limit."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         row = {name: value for name, value in vars(self).items() if name not in ("at", "axis", "across", "fits")}
         row |= {name: getattr(self, name).tolist() for name in ("at", "axis", "across")}
         row["stopped_by"] = dict(self.stopped_by)
@@ -127,7 +127,7 @@ def opening(
     - `most`: sizes beyond it, metres, count as infinite.
     - `limits`: as `opening_limits` reads them; `Opening.fits` says which go through.
 
-    Raises `OptionError` for a place or direction that is none, and numbers out of range.
+    Raises `OptionError` for an invalid place or direction, and numbers out of range.
     """
     check_kind("scene", scene, Scene)
     place, along = check_array("at", at, (3,)), _direction("axis", axis)

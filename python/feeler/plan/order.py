@@ -21,6 +21,7 @@ from feeler.plan.crew import Crew
 from feeler.plan.question import TARGET, Attempt, Budget, Clock, Question
 from feeler.plan.removal import LARGEST_ROUNDS, LARGEST_SEED, Allowed, Removal, RemovalBlocker, alone
 from feeler.plan.sequence import Exit, SequenceStep, shortest_sequence
+from feeler.poses import PoseLike
 from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
@@ -103,7 +104,7 @@ def removal_order(
     scene: Scene,
     parts: PartsLike,
     tool: Tool | None = None,
-    start: npt.ArrayLike | None = None,
+    start: PoseLike | None = None,
     ignore: PartsLike | None = None,
     directions: npt.ArrayLike | None = None,
     clearance: float = 0.0,

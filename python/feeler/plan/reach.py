@@ -10,6 +10,7 @@ from typing import Any, ClassVar, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import check_flag, check_kind, check_list
 from feeler.field_docs import documented
 from feeler.plan.blocked import Blocker
 from feeler.renamed import OldAttributes
@@ -90,8 +91,9 @@ class Access(OldAttributes, Sequence[Reach]):
     _RENAMED: ClassVar[Mapping[str, str]] = {"swing": "swings_deg", "angle": "angles_deg", "reachable": "is_reachable"}
 
     def __init__(self, rows: Sequence[Reach], is_partial: bool = False) -> None:
-        self._rows = tuple(rows)
-        self.is_partial = is_partial
+        found = check_list("rows", rows, "a list of feeler.Reach")
+        self._rows = tuple(check_kind("rows", row, Reach, "the rows of feeler.access") for row in found)
+        self.is_partial = check_flag("is_partial", is_partial)
         """Whether it was interrupted, so that the last targets are missing."""
 
     def __len__(self) -> int:

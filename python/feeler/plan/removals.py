@@ -11,7 +11,16 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_length, check_list, check_number, check_progress, check_threads, check_whole
+from feeler.arguments import (
+    check_flag,
+    check_kind,
+    check_length,
+    check_list,
+    check_number,
+    check_progress,
+    check_threads,
+    check_whole,
+)
 from feeler.errors import MeshError, OptionError
 from feeler.field_docs import documented
 from feeler.parts import PartsLike
@@ -50,8 +59,9 @@ class Removals(Sequence[PartsRemoval]):
     """The results of `removals`, one per entry, in their order."""
 
     def __init__(self, rows: Sequence[PartsRemoval], is_partial: bool = False) -> None:
-        self._rows = tuple(rows)
-        self.is_partial = is_partial
+        found = check_list("rows", rows, "a list of feeler.PartsRemoval")
+        self._rows = tuple(check_kind("rows", row, PartsRemoval, "the rows of feeler.removals") for row in found)
+        self.is_partial = check_flag("is_partial", is_partial)
         """Whether it was interrupted, so that some entries are missing."""
 
     def __len__(self) -> int:

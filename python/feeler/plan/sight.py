@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.progress import Progress
+from feeler.renamed import OldAttributes
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -63,8 +64,10 @@ class Seen:
         return {**row, "shares": self.shares.tolist(), "hidden_by": [list(each) for each in self.hidden_by]}
 
 
-class Sight(Sequence[Seen]):
+class Sight(OldAttributes, Sequence[Seen]):
     """How much is seen of each target. See `sight`."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"to_dict": "to_dicts"}
 
     def __init__(self, rows: Iterable[Seen]) -> None:
         found = check_list("rows", rows, "a list of feeler.Seen")
@@ -86,8 +89,8 @@ class Sight(Sequence[Seen]):
     def __repr__(self) -> str:
         return f"Sight({sum(row.eye is not None for row in self)} of {len(self)} targets are seen)"
 
-    def to_dict(self) -> list[dict[str, Any]]:
-        """As JSON."""
+    def to_dicts(self) -> list[dict[str, Any]]:
+        """A dict of plain Python values for each row."""
         return [row.to_dict() for row in self._rows]
 
 

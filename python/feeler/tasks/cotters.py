@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -152,10 +153,28 @@ class _Look:
     def _has_thin_neighbour(self, part: int) -> bool:
         """Whether the box of a smaller part that may be a cotter pin reaches into that of a part."""
         low, high = self.bounds[part]
-        near = self.is_free & (self.sizes < self.sizes[part]) & (self.sizes > 0.0)
-        near &= (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
-        near[part] = False
-        return bool(near.any())
+        near = self._beside(part)
+        near = near[self.sizes[near] < self.sizes[part]]
+        return bool(((self.bounds[near, 0] <= high) & (self.bounds[near, 1] >= low)).all(axis=1).any())
+
+    def _beside(self, part: int) -> Ints:
+        """The parts among which are the smaller ones whose boxes reach into that of a part."""
+        low, high = self.bounds[part]
+        lows, others, axis = self._by_place
+        # Smaller parts that reach it begin at most its own size before it.
+        return others[
+            np.searchsorted(lows, low[axis] - self.sizes[part]) : np.searchsorted(lows, high[axis], side="right")
+        ]
+
+    @cached_property
+    def _by_place(self) -> tuple[Floats, Ints, int]:
+        """The free parts that have a size in the order in which they begin along an axis: where, which, and the axis,
+        the one along which they are spread most."""
+        parts = np.flatnonzero(self.is_free & (self.sizes > 0.0) & np.isfinite(self.sizes))
+        lows = self.bounds[parts, 0]
+        axis = int(np.argmax(np.ptp(lows, axis=0))) if len(parts) else 0
+        order = np.argsort(lows[:, axis], kind="stable")
+        return lows[order, axis], parts[order], axis
 
     def is_cotter(self, part: int, shank: Shank) -> bool:
         """Whether a part in a hole across a rod is a cotter pin: its legs or its eye are bent, and if its name does not

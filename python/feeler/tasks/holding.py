@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
+from feeler.renamed import OldAttributes
 from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
 from feeler.tasks.clamping import clamped_beside
@@ -89,12 +90,14 @@ class Hold:
     """Why, in words."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return dict(vars(self))
 
 
-class Holds(Sequence[Hold]):
+class Holds(OldAttributes, Sequence[Hold]):
     """What fasteners hold, sorted by their parts. See `holds`."""
+
+    _RENAMED: ClassVar[Mapping[str, str]] = {"to_dict": "to_dicts"}
 
     def __init__(self, rows: Iterable[Hold]) -> None:
         found = [check_kind("rows", row, Hold) for row in check_list("rows", rows, "a list of feeler.Hold")]
@@ -126,8 +129,8 @@ class Holds(Sequence[Hold]):
         what = check_whole("part", part)
         return Holds(row for row in self._rows if what in row.parts or what in row.washers)
 
-    def to_dict(self) -> list[dict[str, Any]]:
-        """As JSON."""
+    def to_dicts(self) -> list[dict[str, Any]]:
+        """A dict of plain Python values for each row."""
         return [row.to_dict() for row in self._rows]
 
 
@@ -141,7 +144,7 @@ def holds(
     """Which fastener holds which parts: a bolt or screw those that its shank passes through on the way to its thread or
     nut, a nut those that it clamps, a plug itself; clamps and clips pass it on to what they touch.
 
-    Threads are told from clearance holes by their radius. Circlips and pins are known by name. Results are estimates,
+    The radius distinguishes threads from clearance holes. Circlips and pins are known by name. Results are estimates,
     each with its reason. `mockup`: also a `Scene`, of which only the present parts are examined. `fasteners`: of this
     mock-up; None: `find_fasteners`. `table`: what you know better, fastener by fastener: what it holds, or None if it
     holds nothing; a part that is no fastener so far becomes one.

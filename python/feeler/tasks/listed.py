@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ import numpy as np
 
 from feeler.arguments import check_path, check_whole, near, shown
 from feeler.errors import LoadError, MissingFileError, OptionError
-from feeler.io.text import text_of
+from feeler.io.text import SEPARATOR_LINE, text_of
 from feeler.parts import PartsLike
 from feeler.scene import Scene
 from feeler.tasks.planning import MOST_PEOPLE
@@ -77,19 +78,17 @@ def _read(file: Path) -> list[_Line]:
         text = text_of(file)
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give a CSV file with a column part") from None
-    reader = csv.reader(io.StringIO(text, newline=""))
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=_separator(text))
     try:
         rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
     except csv.Error as wrong:
         raise LoadError(f"{file}, line {reader.line_num}: {wrong}") from None
-    filled = [(number, row) for number, row in rows if any(row)]
+    filled = [(number, row) for number, row in rows if any(row) and not (number == 1 and SEPARATOR_LINE.match(text))]
     if not filled:
         raise LoadError(f"{file}: it is empty; its first line names columns: {', '.join(COLUMNS)}")
     first, heads = filled[0]
     heads = [head.lower() for head in heads]
     for head in heads:
-        if ";" in head:
-            raise LoadError(f"{file}, line {first}: its columns are separated by ';': separate them by commas")
         if head not in COLUMNS:
             raise LoadError(f"{file}, line {first}: the column {head!r} is unknown: {near(head, COLUMNS)}")
     if "part" not in heads or len(set(heads)) < len(heads):
@@ -109,6 +108,15 @@ def _read(file: Path) -> list[_Line]:
     if not lines:
         raise LoadError(f"{file}: it names no part")
     return lines
+
+
+def _separator(text: str) -> str:
+    """What separates the columns: as the first line says, `sep=;`, else what is between the names of the columns."""
+    said = SEPARATOR_LINE.match(text)
+    if said:
+        return said[1]
+    heads = re.split(r"[\r\n]", text.lstrip(), maxsplit=1)[0]
+    return next((each for each in ";\t" if each in heads), ",")
 
 
 def _wanted(scene: Scene, line: _Line, error: type[LoadError] | type[OptionError]) -> Wanted:

@@ -50,7 +50,7 @@ class Plan:
         return "failed" if self.error else "out" if self.is_out else "blocked"
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         row = {name: _plain(value) for name, value in vars(self).items()}
         return {**row, "regions": self.regions.to_dict()}
 
@@ -78,7 +78,7 @@ class Seeing:
     """Lower and upper corner of all that was looked at, metres."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return {"path": self.path, "share": self.share, "out": list(self.out), "box": list(self.box)}
 
     @classmethod
@@ -139,7 +139,7 @@ class MaintainRow:
     """The paths in the last run of those wanted parts that have other ones now."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         row = {name: _plain(value) for name, value in vars(self).items()}
         return {**row, "causes": [each.to_dict() for each in self.causes]}
 

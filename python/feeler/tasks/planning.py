@@ -104,7 +104,7 @@ def task(
       0 to 1, and what is done. It never goes back.
 
     Raises `OptionError` for parts that are not there, for all parts of the scene, and for numbers out of range,
-    `MeshError` for tools that are none, `LoadError` for a bad file of times. Ctrl-C ends the search with
+    `MeshError` for other objects as tools, `LoadError` for a bad file of times. Ctrl-C ends the search with
     `TaskInterrupted`, which has the best plan until then.
     """
     given = locals()
@@ -138,6 +138,7 @@ def planned(
     check_progress(progress)
     check_executor(executor)
     table = Arithmetic(times_of(times))
+    pairs = check_list("before", [] if before is None else before, "a list of pairs of parts")
     wanted = _wanted(scene, parts)
     kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
     if kept & set(wanted):
@@ -168,7 +169,7 @@ def planned(
             return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
 
         known = memory.found((wanted, kept, seed, loose, riding), scene, look)
-        forced = _forced(scene, before, known.question)
+        forced = _forced(scene, pairs, known.question)
         with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
             actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
             if known.actions is not None:
@@ -193,7 +194,7 @@ def planned(
 
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
     answer, planner = best(frozenset())
-    if before:
+    if pairs:
         return answer  # it may be about circlips
     for riding in riding_rings(scene, planner.actions.fixings.held, answer, wanted, kept, planner.stuck):
         if clock.goes_on():
@@ -204,12 +205,10 @@ def planned(
     return answer
 
 
-def _forced(
-    scene: Scene, before: Sequence[tuple[PartsLike, PartsLike]] | None, question: Together
-) -> dict[int, frozenset[int]]:
+def _forced(scene: Scene, before: Sequence[object], question: Together) -> dict[int, frozenset[int]]:
     """Of items those that have to go before them."""
     found: dict[int, frozenset[int]] = {}
-    for pair in check_list("before", [] if before is None else before, "a list of pairs of parts"):
+    for pair in before:
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
             raise OptionError(f"before has {shown(pair)}: give pairs of parts: what goes first, and what after it")
         first, second = (scene.mockup.parts.select(each).tolist() for each in pair)

@@ -97,7 +97,7 @@ class Regions:
         return replace(self, sweeps=np.stack([low, high, exact], axis=1).reshape(-1, 3, 3))
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return {
             "is_all": self.is_all,
             "boxes": np.round(self.boxes.reshape(-1, 6), _DECIMALS).tolist(),

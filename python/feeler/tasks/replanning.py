@@ -70,16 +70,14 @@ def _mask(mask: npt.NDArray[np.bool_]) -> bytes:
     return np.packbits(mask).tobytes()
 
 
-def _named(tools: TaskTools) -> Hashable:
-    """Equal for equal tools; `Memory` holds them, so that their ids stay theirs."""
+def _named(tools: object) -> Hashable:
+    """Equal for equal tools and options, which nobody has checked yet. `Memory` holds them, so that ids stay theirs."""
+    if isinstance(tools, Mapping):
+        return tuple((name, _named(each)) for name, each in tools.items())
+    if isinstance(tools, (list, tuple)):
+        return tuple(_named(each) for each in tools)
     if isinstance(tools, Catalogue):
         return tools
-    if isinstance(tools, Mapping):
-        return tuple((name, *_one(each)) for name, each in tools.items())
-    if isinstance(tools, list):
-        return tuple(_one(each) for each in tools)
-    return _one(tools)
-
-
-def _one(tool: Any) -> tuple[Hashable, ...]:
-    return (id(tool[0]), repr(tool[1])) if isinstance(tool, tuple) else (tool if isinstance(tool, str) else id(tool),)
+    if tools is None or isinstance(tools, (str, int, float, np.generic, np.ndarray)):
+        return repr(tools)
+    return id(tools)

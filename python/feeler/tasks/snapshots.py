@@ -54,7 +54,7 @@ class MaintainChange:
         return f"{self.path} {verb}"
 
     def to_dict(self) -> dict[str, str]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return {"path": self.path, "what": self.what}
 
 
@@ -134,7 +134,7 @@ class Snapshot:
         return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]) if len(boxes) else np.full((2, 3), np.nan)
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return {
             "parts": {
                 key: [each.digest, list(each.measure), _numbers(each.box), _numbers(each.surface)]

@@ -74,7 +74,7 @@ class TaskStep:
         return f"{self.verb} {self.part}" + (f" with {self.tool}" if self.tool else "")
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         row = {name: value for name, value in vars(self).items() if name not in ("way", "tool_way")}
         row |= {"low": self.low, "high": self.high, "way": self.way.tolist(), "tool_way": self.tool_way.tolist()}
         return row | {"swing_deg": None if math.isnan(self.swing_deg) else self.swing_deg}
@@ -93,7 +93,7 @@ class TaskBlocker:
     """Paths of the parts in its way."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return dict(vars(self))
 
 
@@ -189,7 +189,7 @@ class TaskFacts:
         return f"Task({self.said})"
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """A dict of plain Python values, as JSON takes them."""
         return {
             "parts": list(self.parts),
             "is_found": self.is_found,
