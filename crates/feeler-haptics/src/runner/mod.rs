@@ -59,6 +59,8 @@ pub struct Stopped {
     pub device: Option<Box<dyn Device>>,
     /// Of the whole run.
     pub statistics: Statistics,
+    /// The ticks that [`Watch::trace`] had not taken.
+    pub trace: Vec<TraceTick>,
     /// Why it ended by itself, if it did.
     pub error: Option<Error>,
     /// Why the device failed the last time, if it did.
@@ -376,8 +378,8 @@ impl Runner {
             None => (None, None),
         };
         let error = error.or(broken.map(|why| Error::Device { why }));
-        let statistics = self.watch.statistics();
-        Stopped { session, device, statistics, error, device_error, collision_error }
+        let (statistics, trace) = (self.watch.statistics(), self.watch.trace());
+        Stopped { session, device, statistics, trace, error, device_error, collision_error }
     }
 }
 
