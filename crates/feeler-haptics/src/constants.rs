@@ -173,6 +173,8 @@ pub const RATE_SHARE: f64 = 1.5;
 /// Time (seconds) over which ticks are averaged to know the rate. Longer, and the first slow ticks shake the hand; shorter, and one late
 /// tick makes a wall soft.
 pub const RATE_MEMORY_S: f64 = 0.05;
+/// The same while a device's reports become faster again. Longer: soft for longer; shorter: uneven reports make the force uneven.
+pub const RATE_RETURN_S: f64 = 0.1;
 /// Time (seconds) after a silence of a device in which another counts as its rate. Longer: two pauses make a wall soft; shorter: a device
 /// that reports every tenth of a second is stiff in between.
 pub const SILENCE_MEMORY_S: f64 = 1.0;

@@ -1,6 +1,6 @@
 //! How often a device reports, and how late: measured, whatever it says of itself.
 
-use crate::constants::{RATE_MEMORY_S, SILENCE_MEMORY_S};
+use crate::constants::{RATE_MEMORY_S, RATE_RETURN_S, SILENCE_MEMORY_S};
 
 /// The mean time between a device's states, and their mean age when they come, over the last moments.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,9 +36,10 @@ impl Reports {
             // One silence is no rate: the force comes back from nothing after it.
             return true;
         }
-        let (since, share) = (since.min(self.silent_s), (since / RATE_MEMORY_S).min(1.0));
-        self.mean_s += (since - self.mean_s) * share;
-        self.late_s += ((now - measured).max(0.0) - self.late_s) * share;
+        // Slower at once, faster by and by: stiffness that goes up and down with each hiccup would be felt.
+        let memory = if since > self.mean_s { RATE_MEMORY_S } else { RATE_RETURN_S };
+        self.mean_s += (since.min(self.silent_s) - self.mean_s) * (since / memory).min(1.0);
+        self.late_s += ((now - measured).max(0.0) - self.late_s) * (since / RATE_MEMORY_S).min(1.0);
         true
     }
 
@@ -92,7 +93,7 @@ mod tests {
         assert!(reports.saw(0.8, 0.8) && reports.period_s() < 1.5e-3, "{reports:?}");
         // One after the other are.
         assert!(reports.saw(0.9, 0.9) && reports.period_s() > 0.04, "{reports:?}");
-        let back = after(&mut reports, 0.901, 0.4, 1000.0, 0.0);
+        let back = after(&mut reports, 0.901, 1.5, 1000.0, 0.0);
         assert!(back < 1.1e-3, "{back}");
     }
 }
