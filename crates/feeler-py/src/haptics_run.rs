@@ -173,7 +173,7 @@ impl HapticsRun {
         self.with(py, |runner| runner.watch().guide(guide))
     }
 
-    /// Every tick since the last call, 4 s at most; after the end, the rest.
+    /// Every tick since the last call, 4 s at most; after the end of the run, those that are left.
     fn trace(&self, py: Python<'_>) -> PyResult<TraceAnswer> {
         self.check_process()?;
         let running = py.detach(|| locked(&self.runner).as_mut().map(|runner| runner.watch().trace()));
