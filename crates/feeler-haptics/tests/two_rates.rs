@@ -484,11 +484,13 @@ fn stiffness_follows_the_measured_rate() {
 /// It falls to 50 Hz while the hand presses: the force sinks, and never turns over.
 #[test]
 fn a_device_that_falls_to_50_hz_does_not_shake_the_hand() {
-    let slow = Faulty::new(device(pressing()), Fault::Slow(50.0), 1.0, 4.0).unwrap();
+    let slow = Faulty::new(device(pressing()), Fault::Slow(51.0), 1.0, 4.0).unwrap();
     let mut drive = Drive::new(started(plate(), SessionOptions::default()), slow);
     let [_, before] = range(&drive.run(1000, always, always)[800..]);
     let [low, high] = range(drive.run(2900, always, always));
     assert!(low > 0.0 && high < 1.05 * before, "{low} to {high} N, {before} N before");
+    let share = drive.views[1200].stiffness_share;
+    assert!(share < 0.1, "{share} after 0.2 s");
     let [low, high] = range(&drive.views[3000..]);
     assert!(high - low < 0.05 * high, "{low} to {high} N");
 }
