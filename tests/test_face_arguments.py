@@ -374,7 +374,7 @@ GOOD: dict[str, Callable[[World], Call]] = {
     "feeler.haptics.Session.run": lambda w: (run_and_stop(w), {"device": w.device, "realtime": False}),
     "feeler.haptics.Session.set_scene": lambda w: (started(w).set_scene, {"scene": w.scene}),
     "feeler.haptics.Session.start": lambda w: (started(w).start, {"world_from_tool": w.away}),
-    "feeler.haptics.Session.step": lambda w: (started(w).step, {"world_from_device": w.away}),
+    "feeler.haptics.Session.step": lambda w: (started(w).step, {"world_from_tool": w.away}),
     "feeler.haptics.open_device": lambda w: (haptics.open_device, {"name": "nothing"}),
     "feeler.haptics.replay": lambda w: (haptics.replay, {"path": "session.npz"}),
     "feeler.haptics.devices.Info": lambda w: (devices.Info, {"name": "own"}),

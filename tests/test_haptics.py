@@ -75,7 +75,7 @@ def test_contacts_may_be_found_more_seldom(scene: feeler.Scene, tool: feeler.Too
 
 
 def test_the_same_steps_give_the_same_bits(scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path) -> None:
-    session = haptics.Session(scene, tool, collision_hz=300, margin=0.001)
+    session = haptics.Session(scene, tool, collision_hz=300, within=0.001)
     path = tmp_path / "felt.npz"
     with session.record(path):
         session.start(at(z=0.05))
@@ -344,8 +344,8 @@ def test_what_a_device_may_tell_lets_go_and_what_a_program_may_pass_is_an_error(
         step = session.step(at(z=-1.0))
         assert np.linalg.norm(step.force) <= 8.0 + 1e-9 and step.world_from_proxy[2, 3] > 0.0
     options = [
-        {"margin": 0.0},
-        {"margin": np.nan},
+        {"within": 0.0},
+        {"within": np.nan},
         {"skin": -1e-5},
         {"skin": 0.001},
         {"collision_hz": 0.0},
@@ -357,8 +357,20 @@ def test_what_a_device_may_tell_lets_go_and_what_a_program_may_pass_is_an_error(
     for value in (-1.0, np.nan, "abc"):
         with pytest.raises(OptionError, match="max_force_n"):
             haptics.Coupling(max_force_n=value)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="slew_n_per_s"):
+        haptics.Coupling(slew_n_per_s=0.0)
     with pytest.raises(OptionError, match=r"feeler\.Scene"):
         haptics.Session(scene.mockup, tool)  # type: ignore[arg-type]
+
+
+def test_old_keywords_answer(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    with pytest.warns(DeprecationWarning, match="within"):
+        session = haptics.Session(scene, tool, margin=0.001)  # type: ignore[call-arg]
+    session.start(at(z=0.01))
+    with pytest.warns(DeprecationWarning, match="world_from_tool"):
+        session.step(world_from_device=at(z=0.01))  # type: ignore[call-arg]
+    with pytest.raises(feeler.SessionError, match="holds"):
+        session.release(put_back=0)
 
 
 def test_a_replay_of_a_folder_is_refused_in_words(tmp_path: Path) -> None:

@@ -85,6 +85,51 @@ def test_force_and_torque_of_the_granted_springs_arrive() -> None:
     assert handle.releases > 0 and not np.concatenate(handle.given).any()
 
 
+@pytest.mark.parametrize(
+    "more", [{}, {"stiffness_n_per_m": 500.0}, {"stiffness_n_per_m": 500.0, "damping_n_s_per_m": 1.0}]
+)
+def test_a_rate_that_is_not_given_limits_nothing(more: dict[str, float]) -> None:
+    class Unrated(Handle):
+        info = devices.Info("unrated", force_n=10.0, **more)  # type: ignore[arg-type]
+
+    handle = Unrated()
+    wanted = more.get("stiffness_n_per_m", 1000.0)
+    assert Coupling.for_device(handle).stiffness_n_per_m == pytest.approx(wanted)
+    # Nor does a workspace that is not given push.
+    assert handle.workspace == (0.0, 0.0, 0.0)
+    session = session_of(handle)
+    session.run(handle, realtime=False)
+    handle.place = np.array([0.0, 0.0, 0.3])
+    until(lambda: session.view().number > 20)
+    assert session.granted().coupling.stiffness_n_per_m == pytest.approx(wanted)
+    assert not handle.given[0].any()
+    handle.place = down(0.002)[:3, 3]
+    until(lambda: handle.given[0][2] > 0.5)
+    session.stop()
+
+
+def test_a_handle_that_reports_seldom_is_softer_and_it_is_said() -> None:
+    class Seldom(Handle):
+        told = 0.0
+
+        def read(self) -> object:
+            now = time.monotonic()
+            if now - self.told < 0.02:
+                return None
+            self.told = now
+            return self.place
+
+    handle = Seldom()
+    session = session_of(handle)
+    session.run(handle, realtime=False)
+    until(lambda: session.view().number > 20)
+    handle.place = down(0.012)[:3, 3]
+    # 25 N/m, or less where the machine is busy.
+    until(lambda: any("the handle reports" in said for said in session.granted().limitations))
+    until(lambda: 0.0 < handle.given[0][2] < 0.8)
+    session.stop()
+
+
 def test_silence_lets_go_and_a_pose_brings_the_force_back() -> None:
     handle = Handle()
     session = session_of(handle)
@@ -160,6 +205,8 @@ def test_what_it_says_of_itself_is_checked() -> None:
     with pytest.raises(OptionError, match=r"Nameless\.info"):
         _ = Nameless().name
 
+    with pytest.raises(OptionError, match="name is empty"):
+        devices.Info("")
     with pytest.raises(OptionError, match=r"force_n is -1\.0"):
         devices.Info("x", force_n=-1.0)
     handle = Handle()

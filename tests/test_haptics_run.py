@@ -104,8 +104,13 @@ def test_stop_is_idempotent_and_the_session_goes_on_by_steps(session: Session) -
         session.step(pose(z=0.026))
     with pytest.raises(SessionError, match="runs already"):
         run(session, device)
+    session.trace()
+    seen = session.view().number
+    until(session, lambda view: view.number > seen + 10)
     first = session.stop()
     assert first is not None and session.stop() is first and session.stats() is first
+    # The last ticks are there after the end, once.
+    assert len(session.trace()) >= 10 and len(session.trace()) == 0
     assert not session.is_running
     with pytest.raises(SessionError, match="does not run"):
         session.view()

@@ -752,7 +752,7 @@ class HapticsRun:
     def guide(self, place: PoseLike | None, pull: Sequence[float]) -> None:
         """Draws the tool to a pose, with a pull besides; None: nothing draws it."""
     def trace(self) -> TraceAnswer:
-        """Every tick since the last call, the newest 4 s at most."""
+        """Every tick since the last call, 4 s at most; after the end of the run, those that are left."""
     def granted(self) -> GrantedAnswer:
         """What was granted so far."""
     def start(self, pose: PoseLike) -> StartAnswer: ...

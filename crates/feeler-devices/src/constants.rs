@@ -93,8 +93,15 @@ pub const LARGEST_MESSAGE_BYTES: usize = 1 << 20;
 /// How long connecting and the handshake may take.
 pub const CONNECT_WAIT: Duration = Duration::from_secs(1);
 
-/// How long a read waits for the service before the force is sent again: the service stops telling states when commands stop.
+/// How long a read waits for the service before the thread looks whether the force has ended.
 pub const SERVICE_WAIT: Duration = Duration::from_millis(10);
+
+/// How long the service may be silent before a command without a force is sent again: it stops telling states when commands stop, and
+/// poses of that age are not trusted. Shorter: commands wait at a slow service.
+pub const RESEND_WAIT: Duration = SILENCE;
+
+/// The same for a service that stays silent or answers slowly: each wait is twice the one before.
+pub const LONGEST_RESEND_WAIT: Duration = Duration::from_secs(1);
 
 /// How long sending may block before the service counts as lost.
 pub const SEND_WAIT: Duration = Duration::from_millis(50);

@@ -121,6 +121,9 @@ pub const FULL_FORCE_AT_M: f64 = 0.002;
 pub const FULL_TORQUE_AT_RAD: f64 = 0.05;
 /// Share of a preset's stiffness where neither damping nor largest stiffness of the device is known. More feels harder, and may hum.
 pub const UNKNOWN_SHARE: f64 = 0.2;
+/// Rate (hertz) that a known or asked stiffness is taken to be for where nothing else is known, and that a device of unknown rate is
+/// taken to have: the usual servo loop's. Higher is softer in slow loops.
+pub const USUAL_HZ: f64 = 1000.0;
 /// Time (seconds) in which a preset's force may go from nothing to the device's largest. Below a few milliseconds it
 /// limits no motion of a hand against a spring; above ten, a hard contact begins softly, and the lag makes work
 /// for the passivity controller.
@@ -170,6 +173,11 @@ pub const RATE_SHARE: f64 = 1.5;
 /// Time (seconds) over which ticks are averaged to know the rate. Longer, and the first slow ticks shake the hand; shorter, and one late
 /// tick makes a wall soft.
 pub const RATE_MEMORY_S: f64 = 0.05;
+/// The same while a device's reports become faster again. Longer: soft for longer; shorter: uneven reports make the force uneven.
+pub const RATE_RETURN_S: f64 = 0.1;
+/// Time (seconds) after a silence of a device in which another counts as its rate. Longer: two pauses make a wall soft; shorter: a device
+/// that reports every tenth of a second is stiff in between.
+pub const SILENCE_MEMORY_S: f64 = 1.0;
 /// Speed (metres a second) above which a device is taken to have jumped. Hands move at 3 m/s, and a device of 100 Hz
 /// reports ten ticks' motion at once.
 pub const JUMP_SPEED: f64 = 50.0;

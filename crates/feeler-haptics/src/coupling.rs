@@ -104,9 +104,9 @@ impl Coupling {
         Ok(())
     }
 
-    /// The stiffest useful coupling that a device can hold at its own rate, with the tool's centre at its handle: full
-    /// force at 2 mm or 0.05 rad, less if [`limited`](Self::limited) requires it. A fifth of that if neither damping
-    /// nor largest stiffness is known.
+    /// The stiffest useful coupling that a device can hold at its own rate (1 kHz if that is not known), with the tool's
+    /// centre at its handle: full force at 2 mm or 0.05 rad, less if [`limited`](Self::limited) requires it. A fifth of
+    /// that if neither damping nor largest stiffness is known.
     pub fn for_device(info: &DeviceInfo) -> Coupling {
         let limits = &info.limits;
         let share = |damping: f64, stiffness: f64| if damping == 0.0 && stiffness == 0.0 { UNKNOWN_SHARE } else { 1.0 };
@@ -123,7 +123,7 @@ impl Coupling {
             slew_n_per_s: slew(limits.force_n),
             slew_nm_per_s: slew(limits.torque_nm),
         };
-        wanted.limited(info, limits.rate_hz).0
+        wanted.limited(info, limits.own_rate_hz()).0
     }
 
     /// The wrench on the hand, world axes, the torque at the tool frame's origin at the device's pose.

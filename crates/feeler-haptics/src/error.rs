@@ -22,8 +22,8 @@ pub enum Error {
         /// Which: `servo` or `collision`.
         thread: &'static str,
     },
-    /// The driver of the device failed and does not go on, which ended the run. The force was released first.
-    #[error("{why}; the force was released and the run ended: fix the driver, and run again")]
+    /// The driver of the device failed and does not go on, which ended the run. It was asked to release the force first.
+    #[error("{why}; the driver was asked to release the force, and the run ended: fix the driver, and run again")]
     Device {
         /// The device, and the reason.
         why: String,

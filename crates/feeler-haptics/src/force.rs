@@ -45,8 +45,8 @@ pub struct ForceInput {
 ///   after each release.
 /// - `Passivity`: over the wrench really sent, with the device's delay. Its damping and the virtual damper together
 ///   stay below the device's own damping, and any excess over the bounds is dropped.
-/// - Rate: if ticks are clearly longer than those that the coupling is limited for, its stiffness is reduced like
-///   Colgate's bound.
+/// - Rate: if ticks, or the device's reports, are clearly slower than those that the coupling is limited for, or come
+///   clearly later, its stiffness is reduced like Colgate's bound.
 /// - Slew: limits the change of force, and of torque.
 /// - Watchdog: zero at once if the input is in doubt, not finite, `dt` is not between 0.01 and 50 ms, or the device has
 ///   jumped (50 m/s, 1000 rad/s). The return goes through bounds and slew.
@@ -65,6 +65,9 @@ pub struct ForceLoop {
     /// The tick that the coupling is limited for, and the mean of the last ones, seconds.
     nominal_s: f64,
     period_s: f64,
+    /// The mean time between the device's reports, and their age when they come, seconds; 0: not measured.
+    reports_s: f64,
+    late_s: f64,
     /// The last wrenches, the newest at `newest`, round and round.
     sent: [Wrench; LONGEST_DELAY_TICKS + 1],
     /// What of these shading made.
@@ -96,6 +99,8 @@ impl ForceLoop {
             delay_ticks: 0,
             nominal_s: 0.0,
             period_s: 0.0,
+            reports_s: 0.0,
+            late_s: 0.0,
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             shaded: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             newest: 0,
@@ -119,6 +124,31 @@ impl ForceLoop {
         self.delay_ticks = ((limits.delay_s.max(0.0) * rate_hz).round() as usize).min(LONGEST_DELAY_TICKS);
         self.bound_damping();
         Ok(())
+    }
+
+    /// The mean time between the device's reports, and their mean age when they come, as measured, seconds.
+    pub fn set_reports(&mut self, reports_s: f64, late_s: f64) {
+        (self.reports_s, self.late_s) = (reports_s, late_s);
+    }
+
+    /// The mean of the last ticks, seconds.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    /// Share of the coupling's stiffness in use: less than 1 where forces are clearly older than the coupling is limited
+    /// for, by Colgate's bound, that is in proportion to their age.
+    pub fn stiffness_share(&self) -> f64 {
+        let nominal =
+            if self.limits.rate_hz > 0.0 { self.nominal_s.max(1.0 / self.limits.rate_hz) } else { self.nominal_s };
+        let delay = self.limits.delay_s.max(0.0);
+        let slower = (self.period_s.max(self.reports_s) / nominal).max(1.0);
+        let older = slower + (self.late_s - delay * slower).max(0.0) / (0.5 * nominal + delay);
+        if older > RATE_SHARE {
+            1.0 / older
+        } else {
+            1.0
+        }
     }
 
     /// Another coupling from the next tick on. The force goes to its new value by the slew limit. Errors where it is
@@ -222,8 +252,7 @@ impl ForceLoop {
         }
         self.share = (self.share + input.dt / RETURN_S).min(1.0);
         self.period_s += (input.dt - self.period_s) * (input.dt / RATE_MEMORY_S).min(1.0);
-        // Less stiffness if the measured rate is clearly below the nominal one.
-        let held = if self.period_s > RATE_SHARE * self.nominal_s { self.nominal_s / self.period_s } else { 1.0 };
+        let held = self.stiffness_share();
         let coupling = Coupling {
             stiffness_n_per_m: held * self.coupling.stiffness_n_per_m,
             rotational_stiffness_nm_per_rad: held * self.coupling.rotational_stiffness_nm_per_rad,

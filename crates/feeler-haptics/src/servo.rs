@@ -68,6 +68,10 @@ pub struct Servo {
     centre: Point,
     device_velocity: VelocityEstimate,
     proxy_velocity: VelocityEstimate,
+    /// Velocities are found between the device's reports: between two of them it only seems to rest.
+    has_news: bool,
+    /// The newest found, of device and proxy.
+    found: [Twist; 2],
 }
 
 impl Servo {
@@ -86,7 +90,26 @@ impl Servo {
             centre,
             device_velocity: VelocityEstimate::new(limits.resolution_m, limits.rotational_resolution_rad),
             proxy_velocity: VelocityEstimate::new(PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD),
+            has_news: true,
+            found: [Twist::ZERO; 2],
         })
+    }
+
+    /// For the next tick: whether the device has reported since the last one, the mean time between its reports, and
+    /// their mean age when they come, seconds. Not called: it reports at every tick.
+    pub fn set_reports(&mut self, has_news: bool, reports_s: f64, late_s: f64) {
+        self.has_news = has_news;
+        self.force.set_reports(reports_s, late_s);
+    }
+
+    /// The mean of the last ticks, seconds.
+    pub fn period_s(&self) -> f64 {
+        self.force.period_s()
+    }
+
+    /// Share of the coupling's stiffness in use, as of [`ForceLoop::stiffness_share`].
+    pub fn stiffness_share(&self) -> f64 {
+        self.force.stiffness_share()
     }
 
     /// The coupling in use.
@@ -129,8 +152,12 @@ impl Servo {
         };
         // In the air it is where the device is, and moves as that: nothing is felt, not even rounding.
         let proxy = if mode == Mode::Free { input.device } else { proxy };
-        let device_twist = input.device_twist.unwrap_or(self.device_velocity.update(&input.device, input.now));
-        let found = self.proxy_velocity.update(&proxy, input.now);
+        if self.has_news {
+            self.found =
+                [self.device_velocity.update(&input.device, input.now), self.proxy_velocity.update(&proxy, input.now)];
+        }
+        let [device_twist, found] = self.found;
+        let device_twist = input.device_twist.unwrap_or(device_twist);
         let proxy_twist = if mode == Mode::Free { device_twist } else { found };
         let shading = match mode {
             Mode::Contact | Mode::Bound => set.shading(&proxy, &self.solver),
@@ -154,5 +181,6 @@ impl Servo {
         self.force.release();
         self.device_velocity.reset();
         self.proxy_velocity.reset();
+        self.found = [Twist::ZERO; 2];
     }
 }

@@ -17,7 +17,7 @@
 //!
 //! The bounds do not contain the device's mass: both hold for any.
 
-use crate::constants::{ARM_ROOM, ARM_SHARE, HELD_SHARE, VIRTUAL_DAMPING_SHARE};
+use crate::constants::{ARM_ROOM, ARM_SHARE, HELD_SHARE, USUAL_HZ, VIRTUAL_DAMPING_SHARE};
 use crate::coupling::Coupling;
 use crate::device::DeviceInfo;
 
@@ -30,6 +30,8 @@ pub(crate) enum Bound {
     Friction,
     /// The largest that it has, by what its maker publishes or its user knows.
     Maximum,
+    /// A loop slower than the usual one, of a device whose damping is not known.
+    Rate,
     /// It does not drive this freedom.
     NotDriven,
 }
@@ -69,29 +71,39 @@ impl Limitations {
     }
 
     /// A sentence for each reduced number: the reduced value, the requested one, and the reason. `info`: of the device,
-    /// as the coupling was limited to it; `rate_hz`: of the loop.
+    /// as the coupling was limited to it; `rate_hz`: of the loop; `scale`: from the device's motions to the tool's, if
+    /// `info` is of the tool's world.
     ///
     /// ```
     /// use feeler_haptics::{device::simulated::SimulatedOptions, Coupling};
     /// let info = SimulatedOptions::desktop_3dof().info;
     /// let asked = Coupling::for_device(&info).with_max_torque_nm(0.0).with_max_force_n(20.0);
-    /// let said = asked.limited(&info, 1000.0).1.in_words(&info, 1000.0);
+    /// let said = asked.limited(&info, 1000.0).1.in_words(&info, 1000.0, 1.0);
     /// assert_eq!(said, ["force 12 N instead of 20: the most that the simulated desktop device, 3 driven freedoms has"]);
     /// ```
-    pub fn in_words(&self, info: &DeviceInfo, rate_hz: f64) -> Vec<String> {
+    pub fn in_words(&self, info: &DeviceInfo, rate_hz: f64, scale: f64) -> Vec<String> {
+        // From a number in the tool's world to the same at the hand.
         let all = [
-            ("stiffness", self.stiffness, "N/m", false),
-            ("damping", self.damping, "N s/m", false),
-            ("rotational stiffness", self.rotational_stiffness, "Nm/rad", true),
-            ("rotational damping", self.rotational_damping, "Nm s/rad", true),
-            ("force", self.force, "N", false),
-            ("torque", self.torque, "Nm", true),
+            ("stiffness", self.stiffness, "N/m", false, scale),
+            ("damping", self.damping, "N s/m", false, scale),
+            ("rotational stiffness", self.rotational_stiffness, "Nm/rad", true, 1.0 / scale),
+            ("rotational damping", self.rotational_damping, "Nm s/rad", true, 1.0 / scale),
+            ("force", self.force, "N", false, 1.0),
+            ("torque", self.torque, "Nm", true, 1.0 / scale),
         ];
         all.into_iter()
-            .filter_map(|(what, found, unit, turns)| {
+            .filter_map(|(what, found, unit, turns, at_hand)| {
                 let Limitation { wanted, allowed, by } = found?;
+                let mut why = by.in_words(info, rate_hz, turns);
+                if at_hand != 1.0 && by != Bound::NotDriven {
+                    let felt = in_words(at_hand * allowed);
+                    why = format!(
+                        "{why}, that is {felt} {unit} at the handle with motions scaled by {}",
+                        in_words(scale)
+                    );
+                }
                 let [wanted, allowed] = [wanted, allowed].map(in_words);
-                Some(format!("{what} {allowed} {unit} instead of {wanted}: {}", by.in_words(info, rate_hz, turns)))
+                Some(format!("{what} {allowed} {unit} instead of {wanted}: {why}"))
             })
             .collect()
     }
@@ -102,16 +114,16 @@ impl Bound {
     fn in_words(self, info: &DeviceInfo, rate_hz: f64, turns: bool) -> String {
         let (name, limits) = (&info.name, &info.limits);
         let either = |linear: f64, angular: f64| in_words(if turns { angular } else { linear });
+        let rate = if limits.rate_hz > 0.0 { rate_hz.min(limits.rate_hz) } else { rate_hz };
+        let late = if limits.delay_s > 0.0 {
+            format!(" and {} ms of delay", in_words(1e3 * limits.delay_s))
+        } else {
+            String::new()
+        };
         match self {
             Bound::Damping => {
                 let damping = either(limits.damping_n_s_per_m, limits.rotational_damping_nm_s_per_rad);
                 let unit = if turns { "Nm s/rad" } else { "N s/m" };
-                let rate = if limits.rate_hz > 0.0 { rate_hz.min(limits.rate_hz) } else { rate_hz };
-                let late = if limits.delay_s > 0.0 {
-                    format!(" and {} ms of delay", in_words(1e3 * limits.delay_s))
-                } else {
-                    String::new()
-                };
                 format!("what the damping of the {name}, {damping} {unit}, holds at {} Hz{late}", in_words(rate))
             }
             Bound::Friction => {
@@ -121,6 +133,14 @@ impl Bound {
                 format!("what the friction of the {name}, {friction} {unit}, holds at steps of {step} {of}")
             }
             Bound::Maximum => format!("the most that the {name} has"),
+            Bound::Rate => {
+                let known = either(limits.stiffness_n_per_m, limits.rotational_stiffness_nm_per_rad);
+                let unit = if turns { "Nm/rad" } else { "N/m" };
+                let of =
+                    if known == "0" { "a stiffness".to_string() } else { format!("the {known} {unit} of the {name}") };
+                let [usual, rate] = [USUAL_HZ, rate].map(in_words);
+                format!("{of} at {usual} Hz falls in proportion, and the loop runs at {rate} Hz{late}")
+            }
             Bound::NotDriven if turns => format!("the {name} drives no rotation"),
             Bound::NotDriven => format!("the {name} drives no translation"),
         }
@@ -185,7 +205,8 @@ impl Coupling {
     /// Spring and damper together stay within 0.8 of Colgate's bound, the damper within a fifth of that; stiffness also
     /// within Abbott and Okamura's bound and the largest that is known of the device, force and torque within the device's.
     /// A resolution of zero is none; a damping, a friction or a largest stiffness of zero is not known, and bounds nothing.
-    /// Damping is never added. A rate that is not above zero holds nothing.
+    /// Damping is never added. A rate that is not above zero holds nothing. Where the damping is not known, the largest
+    /// stiffness, or the wanted one, is for a loop of 1 kHz without delay, and falls in proportion in slower ones.
     pub fn limited_at(&self, info: &DeviceInfo, rate_hz: f64, arm_m: f64) -> (Coupling, Limitations) {
         let limits = &info.limits;
         let hold = limits.hold_s(rate_hz);
@@ -196,6 +217,12 @@ impl Coupling {
 
         let inside = HELD_SHARE * known(limits.damping_n_s_per_m);
         let turning = HELD_SHARE * known(limits.rotational_damping_nm_s_per_rad);
+        // Of a stiffness for the usual loop, known or asked, where no damping tells what other loops hold.
+        let slowed = limits.slowed(rate_hz);
+        let usual = |damping: f64, most: f64, asked: f64| match damping.is_finite() {
+            true => f64::INFINITY,
+            false => slowed * if most > 0.0 { most } else { asked },
+        };
         // The arm's spring's use of the rotation's limit at full stiffness, and the share set apart for it.
         let are_known = inside.is_finite() && turning.is_finite();
         let lever = if info.driven.translation && are_known { arm * arm * inside } else { 0.0 };
@@ -218,6 +245,10 @@ impl Coupling {
             .and(known(limits.rotational_stiffness_nm_per_rad), Bound::Maximum)
             .and((left - to.rotational_damping_nm_s_per_rad).max(0.0) / hold, Bound::Damping)
             .and(friction, Bound::Friction)
+            .and(
+                usual(turning, limits.rotational_stiffness_nm_per_rad, to.rotational_stiffness_nm_per_rad),
+                Bound::Rate,
+            )
             .apply(&mut to.rotational_stiffness_nm_per_rad);
 
         // The damping felt at the centre.
@@ -230,6 +261,7 @@ impl Coupling {
             .and(known(limits.stiffness_n_per_m), Bound::Maximum)
             .and((felt - to.damping_n_s_per_m).max(0.0) / hold, Bound::Damping)
             .and(quantised(limits.friction_n, step), Bound::Friction)
+            .and(usual(inside, limits.stiffness_n_per_m, to.stiffness_n_per_m), Bound::Rate)
             .and(
                 if arm > 0.0 { quantised(share * limits.rotational_friction_nm / arm, step) } else { f64::INFINITY },
                 Bound::Friction,
@@ -261,7 +293,7 @@ fn quantised(friction: f64, resolution: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::device::simulated::SimulatedOptions;
-    use crate::device::DeviceLimits;
+    use crate::device::{DeviceLimits, Freedoms};
     use proptest::prelude::*;
 
     /// 6 driven freedoms, b = 1.5, f = 0.1, 10 um; in rotation 3e-3, 2e-3, 0.2 mrad; 12 N, 0.4 Nm, 1 kHz.
@@ -304,7 +336,7 @@ mod tests {
         assert_eq!(taken.force, Some(Limitation { wanted: 100.0, allowed: 12.0, by: Bound::Maximum }));
         assert_eq!((taken.torque, taken.damping, taken.rotational_damping), (None, None, None));
         assert_eq!(
-            taken.in_words(&info(), 1000.0)[0],
+            taken.in_words(&info(), 1000.0, 1.0)[0],
             "stiffness 2,200 N/m instead of 1,000,000: what the damping of the simulated desktop device, 6 driven freedoms, 1.5 N s/m, \
              holds at 1,000 Hz"
         );
@@ -329,7 +361,7 @@ mod tests {
         assert_eq!(taken.stiffness.map(|l| l.by), Some(Bound::Friction));
         assert_eq!(taken.rotational_stiffness.map(|l| l.by), Some(Bound::Friction));
         assert_eq!(
-            taken.in_words(&info, 1000.0)[0],
+            taken.in_words(&info, 1000.0, 1.0)[0],
             "stiffness 200 N/m instead of 1,000,000: what the friction of the simulated desktop device, 6 driven freedoms, 0.001 N, \
              holds at steps of 10 um"
         );
@@ -378,10 +410,54 @@ mod tests {
         let (to, taken) = wanted().limited(&info, 1000.0);
         assert_eq!((to.stiffness_n_per_m, to.rotational_stiffness_nm_per_rad), (1200.0, 0.5));
         assert_eq!([taken.stiffness, taken.rotational_stiffness].map(|l| l.map(|l| l.by)), [Some(Bound::Maximum); 2]);
-        let said = taken.in_words(&info, 1000.0);
+        let said = taken.in_words(&info, 1000.0, 1.0);
         let most = "the most that the simulated desktop device, 6 driven freedoms has";
         assert_eq!(said[0], format!("stiffness 1,200 N/m instead of 1,000,000: {most}"));
         assert_eq!(said[1], format!("rotational stiffness 0.5 Nm/rad instead of 1,000: {most}"));
+    }
+
+    /// At the usual rate, or as the loop and its delay are slower.
+    #[test]
+    fn a_published_stiffness_is_for_the_usual_loop_where_no_damping_is_known() {
+        let limits = DeviceLimits::default().with_force_n(10.0).with_stiffness_n_per_m(500.0);
+        let mine = DeviceInfo::new("mine").with_driven(Freedoms { translation: true, rotation: false });
+        let held = |limits: DeviceLimits, rate_hz: f64| {
+            let info = mine.clone().with_limits(limits);
+            let (to, taken) = wanted().limited(&info, rate_hz);
+            (to.stiffness_n_per_m, taken.in_words(&info, rate_hz, 1.0)[0].clone())
+        };
+        for (changed, rate_hz, expected) in [
+            (limits, 1000.0, 500.0),
+            (limits, 4000.0, 500.0),
+            (limits, 50.0, 25.0),
+            (limits.with_rate_hz(100.0), 1000.0, 50.0),
+            (limits.with_rate_hz(1e-3), 1000.0, 5e-4),
+            (limits.with_delay_s(1e-3), 1000.0, 500.0 / 3.0),
+            (limits.with_stiffness_n_per_m(0.0), 50.0, 1e6 / 20.0),
+        ] {
+            let (found, said) = held(changed, rate_hz);
+            assert!(is_near(found, expected), "{changed:?} at {rate_hz}: {said}");
+        }
+        let why = "the 500 N/m of the mine at 1,000 Hz falls in proportion, and the loop runs at 50 Hz";
+        assert_eq!(held(limits, 50.0).1, format!("stiffness 25 N/m instead of 1,000,000: {why}"));
+        // Nor does a rate that nobody gave.
+        for limits in [limits, limits.with_stiffness_n_per_m(0.0), limits.with_damping_n_s_per_m(1.0)] {
+            let [own, usual] =
+                [0.0, 1000.0].map(|hz| Coupling::for_device(&mine.clone().with_limits(limits.with_rate_hz(hz))));
+            assert_eq!(own, usual);
+            assert!(own.stiffness_n_per_m >= 500.0, "{own:?}");
+        }
+    }
+
+    #[test]
+    fn a_scale_is_said() {
+        let limits = DeviceLimits::default().with_force_n(10.0).with_stiffness_n_per_m(100.0);
+        let info =
+            DeviceInfo::new("mine").with_driven(Freedoms { translation: true, rotation: false }).with_limits(limits);
+        let asked = wanted().with_stiffness_n_per_m(500.0);
+        let said = asked.limited(&info, 1000.0).1.in_words(&info, 1000.0, 5.0);
+        let why = "the most that the mine has, that is 500 N/m at the handle with motions scaled by 5";
+        assert_eq!(said[0], format!("stiffness 100 N/m instead of 500: {why}"));
     }
 
     #[test]
@@ -441,7 +517,7 @@ mod tests {
             assert_eq!(coupling.check(), Ok(()));
             let (same, taken) = coupling.limited(&options.info, options.info.limits.rate_hz);
             assert_eq!(same, coupling);
-            assert!(taken.is_empty() && taken.in_words(&options.info, 1000.0).is_empty(), "{taken:?}");
+            assert!(taken.is_empty() && taken.in_words(&options.info, 1000.0, 1.0).is_empty(), "{taken:?}");
             assert!(coupling.stiffness_n_per_m > 1000.0, "{coupling:?}");
         }
     }

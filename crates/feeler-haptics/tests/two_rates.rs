@@ -441,3 +441,88 @@ fn a_servo_side_that_falls_to_50_hz_does_not_shake_the_hand() {
         assert!(high < before && (after / before - 1.0).abs() < 0.05, "{slowest}: {before} {high} {after}");
     }
 }
+
+/// Down by 10 mm in 0.2 s, where it stays.
+fn pressing() -> HandPath {
+    HandPath::new(vec![(0.0, at([0.0; 3], [0.0; 3])), (0.2, at([0.0, 0.0, -0.01], [0.0; 3]))]).unwrap()
+}
+
+/// The least and the largest force upwards, newtons.
+fn range(views: &[View]) -> [f64; 2] {
+    views.iter().fold([f64::MAX, f64::MIN], |[low, high], view| {
+        let force = view.wrench.force[2];
+        [low.min(force), high.max(force)]
+    })
+}
+
+/// A device that reports seldom, or whose servo does, holds a spring in proportion, and the hand is not shaken.
+#[test]
+fn stiffness_follows_the_measured_rate() {
+    for (hz, ticks) in [(1e4, 1.0), (210.0, 5.0), (51.0, 20.0), (25.5, 40.0)] {
+        let slow = Faulty::new(device(pressing()), Fault::Slow(hz), 0.0, 3.0).unwrap();
+        let mut drive = Drive::new(started(plate(), SessionOptions::default()), slow);
+        drive.run(2000, always, always);
+        let [low, high] = range(drive.run(900, always, always));
+        let share = drive.views.last().unwrap().stiffness_share;
+        assert!((share * ticks - 1.0).abs() < 0.1, "{hz}: {share}");
+        assert!(low > 0.0 && high - low < 0.05 * high + 0.01, "{hz}: {low} to {high} N");
+        // Fast again, it is as stiff as ever.
+        let [low, _] = range(&drive.run(1500, always, always)[1000..]);
+        assert!(low > 1.0 && drive.views.last().unwrap().stiffness_share == 1.0, "{hz}: {low}");
+    }
+    // The servo at 50 Hz, asked for 1000.
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pressing()));
+    drive.run(2000, |k| k % 20 == 0, always);
+    let [low, high] = range(drive.run(1000, |k| k % 20 == 0, always));
+    let share = drive.views.last().unwrap().stiffness_share;
+    assert!(
+        (share * 20.0 - 1.0).abs() < 0.1 && low > 0.0 && high - low < 0.05 * high + 0.01,
+        "{share}: {low} to {high}"
+    );
+}
+
+/// It falls to 50 Hz while the hand presses: the force sinks, and never turns over.
+#[test]
+fn a_device_that_falls_to_50_hz_does_not_shake_the_hand() {
+    let slow = Faulty::new(device(pressing()), Fault::Slow(51.0), 1.0, 4.0).unwrap();
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), slow);
+    let [_, before] = range(&drive.run(1000, always, always)[800..]);
+    let [low, high] = range(drive.run(2900, always, always));
+    assert!(low > 0.0 && high < 1.05 * before, "{low} to {high} N, {before} N before");
+    let share = drive.views[1200].stiffness_share;
+    assert!(share < 0.1, "{share} after 0.2 s");
+    let [low, high] = range(&drive.views[3000..]);
+    assert!(high - low < 0.05 * high, "{low} to {high} N");
+}
+
+/// A device whose states come later than it says: the same by their age.
+#[test]
+fn stiffness_follows_the_measured_delay() {
+    struct Late<D>(D, Vec<DeviceState>, DeviceInfo);
+    impl<D: Device> Device for Late<D> {
+        fn info(&self) -> &DeviceInfo {
+            &self.2
+        }
+        fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+            self.1.push(self.0.read(now)?);
+            Ok(self.1[self.1.len().saturating_sub(21)])
+        }
+        fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
+            self.0.write(wrench, now)
+        }
+        fn release(&mut self) {
+            self.0.release();
+        }
+    }
+    let known = device(pressing());
+    let info = known.info().clone();
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), Late(known, Vec::new(), info));
+    drive.run(2000, always, always);
+    let [low, high] = range(drive.run(900, always, always));
+    let share = drive.views.last().unwrap().stiffness_share;
+    // Half a tick, and 20 ms.
+    assert!(
+        (share * 41.0 - 1.0).abs() < 0.1 && low > 0.0 && high - low < 0.05 * high + 0.01,
+        "{share}: {low} to {high}"
+    );
+}

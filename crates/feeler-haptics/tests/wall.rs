@@ -159,7 +159,7 @@ fn a_wall_as_stiff_as_the_device_holds_rests() {
         let mut device = SimulatedDevice::new(options, Some(hand)).unwrap();
         let info = device.info().clone();
         let (coupling, taken) = wanted.limited(&info, 1.0 / TICK);
-        let words = taken.in_words(&info, 1.0 / TICK);
+        let words = taken.in_words(&info, 1.0 / TICK, 1.0);
         assert!(words.iter().any(|said| said.starts_with("stiffness ")), "{what}: {words:?}");
         let mut force = loop_of(coupling, info.driven, &info.limits);
         let outcome = run(&mut device, &mut force, [0.0; 3], f64::INFINITY);

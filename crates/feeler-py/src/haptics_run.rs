@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_devices::machine::{lock_memory, raise_priority, raise_priority_below_servo};
-use feeler_haptics::{Error, Guide, MappingOptions, Runner, RunnerOptions, Statistics, Stopped, ThreadKind};
+use feeler_haptics::{Error, Guide, MappingOptions, Runner, RunnerOptions, Statistics, Stopped, ThreadKind, TraceTick};
 use pyo3::prelude::*;
 
 use crate::arguments::PoseArgument;
@@ -27,6 +27,8 @@ pub struct HapticsRun {
     session: Py<HapticsSession>,
     device: Py<HapticsDevice>,
     last: Mutex<Option<Statistics>>,
+    /// The ticks of an ended run that nobody has taken.
+    rest: Mutex<Vec<TraceTick>>,
     /// Of the servo thread, and of the collision thread.
     priorities: [Granted; 2],
     memory: Option<Result<String, String>>,
@@ -115,6 +117,7 @@ impl HapticsRun {
                 session,
                 device,
                 last: Mutex::new(None),
+                rest: Mutex::new(Vec::new()),
                 priorities,
                 memory,
                 born: generation(),
@@ -131,12 +134,13 @@ impl HapticsRun {
     fn stop(&self, py: Python<'_>) -> PyResult<RunEnd> {
         self.check_process()?;
         let stopped = py.detach(|| locked(&self.runner).take().map(Runner::stop));
-        let Some(Stopped { session, device, statistics, error, device_error, collision_error, .. }) = stopped else {
+        let Some(Stopped { session, device, statistics, trace, error, device_error, collision_error, .. }) = stopped
+        else {
             return Ok(RunEnd::default());
         };
         self.session.get().put_back(session);
         self.device.get().put_back(device, true);
-        *locked(&self.last) = Some(statistics);
+        (*locked(&self.last), *locked(&self.rest)) = (Some(statistics), trace);
         let said = |error: Option<Error>| error.map(|error| error.to_string());
         let device_error = device_error.map(|error| error.to_string());
         Ok(RunEnd { error: said(error), device_error, collision_error: said(collision_error) })
@@ -169,9 +173,11 @@ impl HapticsRun {
         self.with(py, |runner| runner.watch().guide(guide))
     }
 
-    /// Every tick since the last call, the newest 4 s at most.
+    /// Every tick since the last call, 4 s at most; after the end of the run, those that are left.
     fn trace(&self, py: Python<'_>) -> PyResult<TraceAnswer> {
-        let ticks = self.with(py, |runner| runner.watch().trace())?;
+        self.check_process()?;
+        let running = py.detach(|| locked(&self.runner).as_mut().map(|runner| runner.watch().trace()));
+        let ticks = running.unwrap_or_else(|| std::mem::take(&mut *locked(&self.rest)));
         Ok(TraceAnswer::new(py, &ticks))
     }
 

@@ -125,6 +125,13 @@ pub const MOST_AREA_RATIO: f64 = 4.0;
 /// Most samples of a sunk part's surface that have to stay within its place while they are inside the neighbour. More: it takes longer.
 pub const MOST_PLACE_SAMPLES: usize = 12;
 
+/// Most corners of a sunk part that have to stay within its place too: a tilt takes corners out first. More: it takes longer.
+pub const MOST_PLACE_CORNERS: usize = 12;
+
+/// How far a corner's sample is from it, as a share of the way to the middle of its triangle: off the planes of faces that are flush with
+/// the neighbour's. Larger: corners come out by more.
+pub const CORNER_SHARE: f64 = 0.005;
+
 /// Most triangles of a tool from which rays look for such samples. More: smaller faces are seen, and a start takes longer.
 pub const MOST_SAMPLE_RAYS: usize = 1024;
 

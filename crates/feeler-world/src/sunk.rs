@@ -7,8 +7,8 @@ use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
-    FIT_DEPTH, LEADING_COS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH,
-    STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
+    CORNER_SHARE, FIT_DEPTH, LEADING_COS, MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS,
+    MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
 };
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
@@ -103,7 +103,8 @@ impl Surroundings {
         Ok(false)
     }
 
-    /// Points of sunk parts that are inside their neighbours at the start, by body.
+    /// Points of sunk parts that are inside their neighbours at the start, by body: middles and corners of triangles, each spread over
+    /// the parts.
     fn samples_of_sunk(&self) -> Result<Vec<Vec<(u32, Point)>>> {
         let (seated, mesh) = (self.seated_at_start(), self.tool.mesh());
         let mut all = Vec::new();
@@ -113,17 +114,33 @@ impl Surroundings {
                 let stride = mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1);
                 let whole: Vec<(u32, Point)> =
                     mesh.queried().step_by(stride).map(|t| (t, middle_of(&mesh.triangle(t)))).collect();
-                found = self.inside(&whole, sunk.scene(), &self.start)?;
-                found.retain(|sample| {
-                    let part =
-                        self.environment.bodies[number].solver.scene().mockup().part_of_face(sample.triangles[1]);
-                    let seat = self.seat_of(number, [self.tool.part_of_face(sample.triangles[0]), part]);
+                let mockup = self.environment.bodies[number].solver.scene().mockup();
+                let is_sunk = |sample: &Inside| {
+                    let [t, m] = sample.triangles;
+                    let seat = self.seat_of(number, [self.tool.part_of_face(t), mockup.part_of_face(m)]);
                     seat.is_some_and(|seat| seat.kind == SeatKind::Sunk)
-                });
+                };
+                let inside = |samples: Vec<(u32, Point)>| -> Result<Vec<(u32, Point)>> {
+                    let mut kept = Vec::new();
+                    for sample in samples {
+                        let found = self.inside(&[sample], sunk.scene(), &self.start)?;
+                        kept.extend(found.first().filter(|found| is_sunk(found)).map(|_| sample));
+                    }
+                    Ok(kept)
+                };
+                let middles = inside(whole)?;
+                let stride = (3 * middles.len()).div_ceil(MOST_SAMPLE_RAYS).max(1);
+                let near_corners: Vec<(u32, Point)> = middles
+                    .iter()
+                    .flat_map(|(t, middle)| {
+                        mesh.triangle(*t).map(|corner| (*t, along(&corner, CORNER_SHARE, &sub(middle, &corner))))
+                    })
+                    .step_by(stride)
+                    .collect();
+                found.extend(spread(&inside(near_corners)?, MOST_PLACE_CORNERS));
+                found.extend(middles.iter().step_by(middles.len().div_ceil(MOST_PLACE_SAMPLES).max(1)));
             }
-            let stride = found.len().div_ceil(MOST_PLACE_SAMPLES).max(1);
-            let few = found.iter().step_by(stride).map(|sample| sample.triangles[0]);
-            all.push(few.map(|t| (t, middle_of(&mesh.triangle(t)))).collect());
+            all.push(found);
         }
         Ok(all)
     }
@@ -194,6 +211,25 @@ impl Surroundings {
 
 fn middle_of(corners: &[Point; 3]) -> Point {
     std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0)
+}
+
+/// Some points that are far apart: each next one is the farthest from those before.
+fn spread(points: &[(u32, Point)], most: usize) -> Vec<(u32, Point)> {
+    let square = |a: &Point, b: &Point| dot(&sub(a, b), &sub(a, b));
+    let Some(first) = points.first() else { return Vec::new() };
+    let mut away: Vec<f64> = points.iter().map(|(_, point)| square(point, &first.1)).collect();
+    let mut chosen = Vec::new();
+    while chosen.len() < most {
+        let Some((next, farthest)) = away.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        if farthest == 0.0 {
+            break;
+        }
+        chosen.push(points[next]);
+        for (least, (_, point)) in away.iter_mut().zip(points) {
+            *least = least.min(square(point, &points[next].1));
+        }
+    }
+    chosen
 }
 
 /// The triangle of the solid that a point is inside of, where a ray from it leaves that.

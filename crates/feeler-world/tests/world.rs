@@ -178,3 +178,46 @@ fn a_bolt_through_a_plate_leaves_to_either_side_that_nothing_holds() {
         }
     }
 }
+
+/// A tilt takes the corners of a blind bolt out first, inside the solid, where surfaces do not cross.
+#[test]
+fn a_sunk_part_does_not_leave_its_place_by_its_corners() {
+    let plate = [box_mesh([0.0; 3], [0.2, 0.2, 0.04], 1)];
+    // 15 mm deep in the plate, 5 mm above it.
+    let (size, low) = ([0.01, 0.01, 0.02], 0.005);
+    let bolt = tool(&[box_mesh([0.0, 0.0, low + 0.01], size, 1)]);
+    let around = around(&plate, &bolt, &Pose::IDENTITY);
+    let start = around.seated_at_start();
+    for turn in [[0.4, 0.0, 0.0], [0.0, -0.4, 0.0], [0.3, 0.3, 0.0]] {
+        // About the middle of the shank's mouth, and up, so that no corner goes deeper; in steps, as a hand goes.
+        let tilted = |by: f64| {
+            let rotation = rotation_of(&turn.map(|part| by * part));
+            let turned = pose_of(&rotation, &[0.0; 3]).unwrap().apply(&[0.0, 0.0, 0.02]);
+            pose_of(&rotation, &[-turned[0], -turned[1], 0.02 + 0.004 * by - turned[2]]).unwrap()
+        };
+        let mut shown = Pose::IDENTITY;
+        let stopped = (1..=200).map(|k| tilted(f64::from(k) / 200.0)).any(|to| {
+            let walk = around.walk(&start, (&shown, &to), WalkOptions::default()).unwrap();
+            shown = walk.pose;
+            walk.stop.is_some()
+        });
+        let out = (0..8).map(|i| {
+            let corner: Point = std::array::from_fn(|a| {
+                let side = if i >> a & 1 == 1 { 0.5 } else { -0.5 };
+                side * size[a] + if a == 2 { low + 0.01 } else { 0.0 }
+            });
+            let moved = shown.apply(&corner);
+            // How far outside of the box that it filled, of corners within the plate.
+            let beyond = |a: usize| (moved[a].abs() - 0.5 * size[a]).max(0.0);
+            let below = (low - moved[2]).max(0.0);
+            if moved[2] < 0.02 {
+                beyond(0).hypot(beyond(1)).hypot(below)
+            } else {
+                0.0
+            }
+        });
+        let most = out.fold(0.0, f64::max);
+        assert!(stopped && most <= 0.021 * around.size() + 1e-5, "{turn:?}: {most} of {}", around.size());
+        assert!(most > 0.01 * around.size(), "{turn:?}: {most}");
+    }
+}

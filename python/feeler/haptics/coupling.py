@@ -14,7 +14,7 @@ from feeler.haptics.devices import Device
 class Coupling:
     """A spring and a damper between the device's pose and the proxy, and their limits.
 
-    The default suits a desktop device of 8 N at 1 kHz. Raises `OptionError` for negative values.
+    The default suits a desktop device of 8 N at 1 kHz. Raises `OptionError` for negative values and a slew of 0.
     """
 
     stiffness_n_per_m: float = 1000.0
@@ -30,19 +30,23 @@ class Coupling:
     max_torque_nm: float = 0.3
     """The largest torque of the rotational spring."""
     slew_n_per_s: float = 2000.0
-    """Slew: the largest change of the force per second."""
+    """Slew: the largest change of the force per second, above 0."""
     slew_nm_per_s: float = 75.0
     """The largest change of the torque per second."""
 
     def __post_init__(self) -> None:
         for each in fields(self):
-            check_number(each.name, getattr(self, each.name), "a number, 0 or more", least=0.0)
+            value = getattr(self, each.name)
+            if each.name.startswith("slew"):
+                check_number(each.name, value, "a number, more than 0", above=0.0)
+            else:
+                check_number(each.name, value, "a number, 0 or more", least=0.0)
 
     @classmethod
     def for_device(cls, device: Device) -> Coupling:
         """The stiffest useful coupling that a device can hold, with the tool's centre at its handle: full force at 2 mm
         or 0.05 rad, less if the device's largest stiffness, damping, friction, resolution, rate or delay require it; a
-        fifth of it if neither damping nor largest stiffness is known.
+        fifth of it if neither damping nor largest stiffness is known. An unknown rate counts as 1 kHz.
         """
         return cls(*check_kind("device", device, Device, "a device of feeler.haptics.devices")._device.coupling())
 

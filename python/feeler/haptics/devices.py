@@ -60,7 +60,7 @@ class Device:
 
     @property
     def workspace(self) -> tuple[float, float, float]:
-        """Half the edges of the box that its handle can reach, metres."""
+        """Half the edges of the box that its handle can reach, metres; 0: not known."""
         x, y, z = self._device.workspace
         return x, y, z
 
@@ -181,19 +181,24 @@ _LIMITS = (
 
 @dataclass(frozen=True)
 class Info:
-    """The properties of your own device. Unknown values stay 0, and limit nothing."""
+    """The properties of your own device. Unknown values stay 0, and limit nothing.
+
+    Raises `OptionError` for an empty name, values below 0 and a workspace without size.
+    """
 
     name: str
     force_n: float = 0.0
     """Largest force; 0: translation is not actuated."""
     torque_nm: float = 0.0
     """Largest torque; 0: rotation is not actuated."""
-    workspace: tuple[float, float, float] = (0.1, 0.1, 0.1)
-    """Half the edges of the box that its handle can reach, metres. A soft wall is inside it."""
+    workspace: tuple[float, float, float] | None = None
+    """Half the edges of the box that its handle can reach, metres: a soft wall begins at 90 % of them, and pushes with
+    at most half of `force_n`. None: not known, no wall."""
     senses_rotation: bool = False
     buttons: int = 0
     stiffness_n_per_m: float = 0.0
-    """Largest stable value."""
+    """Largest stable value in a loop of 1 kHz without delay. Without `damping_n_s_per_m`, it falls in proportion in
+    slower loops, and with `delay_s`."""
     rotational_stiffness_nm_per_rad: float = 0.0
     damping_n_s_per_m: float = 0.0
     """Its own viscous damping: limits the stiffness (Colgate)."""
@@ -205,15 +210,16 @@ class Info:
     """Smallest step of the measured position."""
     rotational_resolution_rad: float = 0.0
     rate_hz: float = 0.0
-    """Rate at which it reports poses and takes forces."""
+    """Rate at which it reports poses and takes forces. During a run the stiffness follows the measured rate."""
     delay_s: float = 0.0
     """From a motion of the handle to the force in response, beyond half a period."""
 
     def __post_init__(self) -> None:
-        check_text("name", self.name)
+        if not check_text("name", self.name):
+            raise OptionError("name is empty: give the name of the device")
         check_flag("senses_rotation", self.senses_rotation)
         check_whole("buttons", self.buttons, 0, 32)
-        if (check_array("workspace", self.workspace, (3,)) <= 0.0).any():
+        if self.workspace is not None and (check_array("workspace", self.workspace, (3,)) <= 0.0).any():
             raise OptionError(f"workspace is {shown(self.workspace)}: give three lengths in metres, more than 0")
         for name in _LIMITS:
             check_number(name, getattr(self, name), "a number, 0 or more", least=0.0)
@@ -234,6 +240,7 @@ class Own(Device):
     def read(self) -> Any:
         """Returns the pose of the handle, in the device's frame: a position `(3,)` in metres or a pose `(4, 4)`, alone
         or as `(pose, buttons)`, a bit a button. None: no new pose; after 50 ms without one there is no force.
+        Do not return an old pose again instead: the stiffness follows the rate of new poses.
         """
         raise NotImplementedError
 
@@ -253,7 +260,7 @@ class Own(Device):
         if not isinstance(what, Info):
             raise OptionError(f"{type(self).__name__}.info is {what!r}: set it to a feeler.haptics.devices.Info")
         limits = [float(getattr(what, name)) for name in _LIMITS]
-        workspace = [float(half) for half in what.workspace]
+        workspace = [float(half) for half in what.workspace or (0.0, 0.0, 0.0)]
         return _core.HapticsDevice.own(
             self, str(what.name), bool(what.senses_rotation), workspace, int(what.buttons), limits
         )

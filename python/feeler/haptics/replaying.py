@@ -64,6 +64,8 @@ def replay(
                 raise LoadError(f"{path}: format {head['format']}, this feeler reads {FORMAT}")
             # Records from before shading was added have none.
             options, coupling = {"shading": False, **head["options"]}, Coupling(**head["coupling"])
+            if "margin" in options:  # its name in records of early builds
+                options["within"] = options.pop("margin")
             lying = {int(part): str(digest) for part, digest in head.get("put_down", [])}
             has_meshes = "tool.faces" in record
             if scene is None or tool is None:

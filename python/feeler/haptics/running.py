@@ -33,9 +33,9 @@ class View:
     world_from_proxy: Floats
     """`(4, 4)`: the proxy, free by the exact test."""
     world_from_device: Floats
-    """`(4, 4)`: the pose of the device."""
+    """`(4, 4)`: where the device wants the tool, as `Session.step` is given it."""
     force: Floats
-    """`(3,)`: on the hand, newtons, world axes."""
+    """`(3,)`: on the hand, newtons, world axes; without the soft wall inside the borders of the device's workspace."""
     torque: Floats
     """`(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame."""
     age: float
@@ -130,10 +130,10 @@ class Granted:
     is_locked: bool
     """Whether memory is locked."""
     coupling: Coupling
-    """In use."""
+    """In use while servo and device keep their rates; in the tool's world, not the hand's, if `scale` is not 1."""
     limitations: tuple[str, ...]
-    """Reductions of the session's coupling because of the device: a sentence per value, with the reduced value, the
-    requested one and the reason."""
+    """Reductions of the session's coupling because of the device, and at present because the servo or the device is
+    slow or late: a sentence per value, with the reduced value, the requested one and the reason."""
 
 
 @documented
@@ -162,6 +162,7 @@ class Runs(_core.HapticsSession):
     """The part of a session that runs with a device; `Session` derives from it."""
 
     _run: _core.HapticsRun | None = None
+    _rest: Trace | None = None
     _ended: Statistics | None = None
     _held: tuple[int, ...] = ()
     _why: tuple[str, ...] = ()
@@ -181,7 +182,7 @@ class Runs(_core.HapticsSession):
         """Runs with a device until `stop()`: a servo thread and a collision thread, at the session's `collision_hz`, or
         as fast as possible.
 
-        - `rate_hz`: of the servo thread.
+        - `rate_hz`: of the servo thread, 50 to 100000.
         - `scale`: travel of the tool for a metre of the handle.
         - `world_from_device`: rotation of the device's axes into the world; default: none.
         - `absolute`: the handle's pose, by `world_from_device`, is the tool's. Default for a `Mouse`; otherwise the
@@ -210,7 +211,7 @@ class Runs(_core.HapticsSession):
             device._serve(self)
         self._held = tuple(self._gripped)
         self._run = _core.HapticsRun(self, device._device, rate, ratio, pose, is_absolute, clutch, is_realtime)
-        self._ended = None
+        self._ended = self._rest = None
 
     def guide(self, world_from_tool: PoseLike | None, pull: npt.ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Draws the hand softly to a pose while the session runs, such as the nearest place of a way.
@@ -240,7 +241,7 @@ class Runs(_core.HapticsSession):
         if run is None:
             return self._ended
         end = run.stop()
-        self._run = None
+        self._run, self._rest = None, _trace(run.trace())
         self._ended = _statistics(run.statistics())
         self._why = tuple(why for why in (end.device_error, end.collision_error) if why)
         if end.error:
@@ -268,9 +269,16 @@ class Runs(_core.HapticsSession):
         return View(**_facts(View, self._running().view()))
 
     def trace(self) -> Trace:
-        """All ticks since the last call. The buffer holds four seconds at 1 kHz; later ticks are dropped."""
-        facts = _facts(Trace, self._running().trace())
-        return Trace(**{**facts, "modes": tuple(facts["modes"])})
+        """All ticks since the last call; after the end of the run, those that are left.
+
+        The buffer holds four seconds at 1 kHz; later ticks are dropped. Raises `SessionError` if the session has not
+        run.
+        """
+        rest = self._rest
+        if self._run is not None or rest is None:
+            return _trace(self._running().trace())
+        self._rest = Trace(**{each.name: getattr(rest, each.name)[:0] for each in fields(Trace)})
+        return rest
 
     def granted(self) -> Granted:
         """What the system and the device granted."""
@@ -283,6 +291,11 @@ class Runs(_core.HapticsSession):
         if self._run is None:
             raise SessionError("the session does not run: call run(device) first")
         return self._run
+
+
+def _trace(answer: _core.TraceAnswer) -> Trace:
+    facts = _facts(Trace, answer)
+    return Trace(**{**facts, "modes": tuple(facts["modes"])})
 
 
 def _statistics(answer: _core.StatisticsAnswer) -> Statistics:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import check_flag, check_length, check_real, check_whole, shown
+from feeler.arguments import check_flag, check_number, check_real, check_whole, shown
 from feeler.atomic import check_target
 from feeler.choices import ProxyMode, SeatKind
 from feeler.errors import OptionError, SessionError
@@ -71,7 +71,7 @@ class Step:
 @documented
 @dataclass(frozen=True)
 class Seat:
-    """A part of the tool and one of the mock-up in contact at the start of a session."""
+    """A part of the tool and one of the mock-up in contact at the start of a session: how its parts may move."""
 
     part: int
     """Index into `mockup.parts`."""
@@ -81,7 +81,9 @@ class Seat:
     """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, such as press fits
     and parts that overlap by their facets. `sunk`: deeper still, such as a bolt in a plate without a hole."""
     depth: float
-    """Metres."""
+    """How far the surfaces of the tool's part must move inwards, each along its normal, until the two parts are free,
+    metres; found to 7 %. It limits how deep the pair may go, and is not the penetration depth, `Scene.depth`: of a bolt
+    that goes through a plate it can be 0."""
 
 
 @documented
@@ -95,7 +97,8 @@ class Start:
 
     seats: tuple[Seat, ...]
     way_out: Floats | None
-    """`(3,)`: the shortest translation found that frees the tool, metres, world; None unless it is sunk."""
+    """`(3,)`: the shortest translation found that frees the tool, metres, world; None unless it is sunk. It is a place
+    without contact, not a way there: the session lets a sunk part leave only through the volume that it filled."""
 
     @property
     def is_free(self) -> bool:
@@ -110,8 +113,8 @@ class Session(Runs):
     """A tool held by a device: stepped in one thread, deterministic, with the `dt` of each step as clock; or run.
 
     - `coupling`: between the device and the tool; default `Coupling()`.
-    - `margin`: surfaces nearer than this (metres) are contacts.
-    - `skin`: the distance that the proxy keeps (metres); half the clearance if that is less.
+    - `within`: surfaces nearer than this (metres, above 0) are contacts.
+    - `skin`: the distance that the proxy keeps (metres, above 0); half the clearance if that is less.
     - `shading`: the force on the facets of a curved surface has the direction of the smooth surface; False: that of the
       facet.
     - `collision_hz`: rate of the search for contacts, to the nearest step; default: each step.
@@ -131,13 +134,14 @@ class Session(Runs):
     _lying: dict[int, Scene]
     _recorder: Recorder | None
 
+    @keywords({"margin": "within"})
     def __new__(
         cls,
         scene: Scene,
         tool: Tool,
         *,
         coupling: Coupling | None = None,
-        margin: float = 0.002,
+        within: float = 0.002,
         skin: float = 2e-5,
         shading: bool = True,
         collision_hz: float | None = None,
@@ -151,8 +155,8 @@ class Session(Runs):
         if not isinstance(coupling, Coupling):
             raise OptionError(f"coupling is a {type(coupling).__name__}: pass a feeler.haptics.Coupling")
         options: dict[str, Any] = {
-            "margin": check_length("margin", margin),
-            "skin": check_length("skin", skin),
+            "within": check_number("within", within, "metres, above 0", above=0.0),
+            "skin": check_number("skin", skin, "metres, above 0", above=0.0),
             "shading": check_flag("shading", shading),
             "collision_hz": None if collision_hz is None else check_real("collision_hz", collision_hz),
             "seed": check_whole("seed", seed, 0, 2**64 - 1),
@@ -163,9 +167,9 @@ class Session(Runs):
         for part, alone in lying:
             if not isinstance(alone, Scene):
                 raise OptionError(f"put_down has a {type(alone).__name__} for part {part}: pass a feeler.Scene of it")
-        margin, skin, rate = options["margin"], options["skin"], options["collision_hz"]
+        within, skin, rate = options["within"], options["skin"], options["collision_hz"]
         shading = options["shading"]
-        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, shading, rate, lying)
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), within, skin, shading, rate, lying)
         self.scene, self.tool, self.coupling = scene, tool, coupling
         self._options, self._lying, self._recorder = options, dict(lying), None
         return self
@@ -183,13 +187,15 @@ class Session(Runs):
             self._recorder.start(pose)
         return _start_of(started)
 
-    def step(self, world_from_device: PoseLike, dt: float = 0.001) -> Step:
-        """One step of `dt` seconds (above 0, at most 1) with the device at a pose (`world_from_tool`).
+    @keywords({"world_from_device": "world_from_tool"})
+    def step(self, world_from_tool: PoseLike, dt: float = 0.001) -> Step:
+        """One step of `dt` seconds (above 0, at most 1).
 
-        A pose that is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
+        `world_from_tool`: where the device wants the tool, `(4, 4)`; the proxy is where contacts let it be. A pose that
+        is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
         `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
         """
-        pose = one_pose(world_from_device)
+        pose = one_pose(world_from_tool)
         dt = check_real("dt", dt, "seconds, above 0, at most 1")
         made = super()._advance(pose, dt)
         planes = Planes(made.points, made.normals, made.gaps, made.parts, made.ids, made.is_holding)
@@ -223,7 +229,7 @@ class Session(Runs):
         `put_back`: they return to their place in the mock-up instead. Raises `SessionError` if nothing is held, or the
         tool occupies a part's place.
         """
-        check_flag("put_back", put_back)
+        put_back = check_flag("put_back", put_back)
         run = self._run
         if run is None:
             super()._release(put_back)
@@ -243,7 +249,7 @@ class Session(Runs):
 
         Parts held or put down belong to the old scene and are gone, except those given as `put_down` at the beginning,
         which lie there again. The tool stays where it is; its contacts there are seats. Raises `OptionError` if a part
-        that lies elsewhere does not exist in the new mock-up.
+        that lies elsewhere does not exist in the new mock-up, `SessionError` during a record, which is of one scene.
         """
         if not isinstance(scene, Scene):
             raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")

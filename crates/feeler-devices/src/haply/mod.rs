@@ -1,9 +1,9 @@
 //! Haply's Inverse3, with the rotation of a VerseGrip if there is one, through the Inverse Service (3.5 or later) on
 //! this machine.
 //!
-//! A thread owns the websocket. It answers each state of the service with the newest force, sends the force again when
-//! no state comes (the service stops sending states when commands stop), and sends no force if the servo has not
-//! written for 50 ms. It requests the preset `arm_front_centered`, which puts the origin into the middle of the
+//! A thread owns the websocket. It answers each state of the service with the newest force, and sends none ahead of the
+//! service's answers, which would act late. When no state comes, it asks again without a force (the service stops sending
+//! states when commands stop). It sends zero at once if the servo has not written for 50 ms. It requests the preset `arm_front_centered`, which puts the origin into the middle of the
 //! workspace: x right, y away, z up, as here.
 //!
 //! Three translations are actuated. Rotation is sensed only if a VerseGrip sent one while the device was opened; if it
@@ -14,6 +14,7 @@
 
 mod messages;
 mod options;
+mod pace;
 mod service;
 
 use std::time::Instant;

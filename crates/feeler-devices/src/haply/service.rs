@@ -13,6 +13,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::messages::{Commands, State, GRIP_BUTTONS};
 use super::options::HaplyOptions;
+use super::pace::{Pace, Turn};
 use crate::clip::{told_pose, told_twist};
 use crate::constants::{
     CONNECT_WAIT, FULL_STATE_PAUSE, INVERSE3_NAME, LARGEST_MESSAGE_BYTES, PRESET_WAIT, SEND_WAIT, SERVICE_WAIT,
@@ -41,8 +42,16 @@ pub(super) fn start(options: &HaplyOptions) -> Result<ServoEnd, DeviceError> {
     let has_grip = first.grip(options.grip_id.as_deref()).is_some_and(|held| held.quaternion.is_some());
     let id = device.device_id.clone();
     let (servo, end) = exchange(info(options, &id, device.is_minverse(), has_grip));
-    let mut service =
-        Service { socket, end, options: options.clone(), id, has_grip, rotation: [1.0, 0.0, 0.0, 0.0], buttons: 0 };
+    let mut service = Service {
+        socket,
+        end,
+        options: options.clone(),
+        id,
+        has_grip,
+        rotation: [1.0, 0.0, 0.0, 0.0],
+        buttons: 0,
+        pace: Pace::new(Instant::now()),
+    };
     std::thread::Builder::new()
         .name("feeler-haply".to_string())
         .spawn(move || {
@@ -152,15 +161,17 @@ struct Service {
     /// The grip's last rotation (w, x, y, z), and its buttons.
     rotation: [f64; 4],
     buttons: u32,
+    pace: Pace,
 }
 
 impl Service {
     /// Talks until released, or until the connection breaks.
     fn run(&mut self) -> Result<(), DeviceError> {
         self.send(&Commands::force(&self.id.clone(), &[0.0; 3]).introducing(&self.options.clone()))?;
+        self.pace.sent(false, Instant::now());
         self.settle()?;
         while !self.end.is_released() {
-            match receive(&mut self.socket) {
+            match self.receive() {
                 Ok(Received::State(state)) => {
                     let measured = self.measured(&state);
                     match measured {
@@ -179,8 +190,13 @@ impl Service {
                     return Err(error);
                 }
             }
-            let force = self.end.wrench(Instant::now()).force;
-            self.send_force(&force)?;
+            let now = Instant::now();
+            let force = self.end.wrench(now).force;
+            match self.pace.turn(force != [0.0; 3], now) {
+                Turn::Force => self.send_force(&force)?,
+                Turn::Nothing => self.send_force(&[0.0; 3])?,
+                Turn::Wait => {}
+            }
         }
         self.send_force(&[0.0; 3])?;
         // The force is off; that the goodbye arrives as well does not matter.
@@ -195,10 +211,13 @@ impl Service {
         let started = Instant::now();
         let mut asked = started;
         while self.options.preset.is_some() && started.elapsed() < PRESET_WAIT && !self.end.is_released() {
-            if let Received::State(state) = receive(&mut self.socket)? {
+            if let Received::State(state) = self.receive()? {
                 if state.device(Some(&self.id)).and_then(|device| device.preset()) == self.options.preset.as_deref() {
                     break;
                 }
+            }
+            if self.pace.turn(false, Instant::now()) == Turn::Wait {
+                continue;
             }
             let id = self.id.clone();
             let commands = Commands::force(&id, &[0.0; 3]);
@@ -208,6 +227,7 @@ impl Service {
             } else {
                 self.send(&commands)?;
             }
+            self.pace.sent(false, Instant::now());
         }
         Ok(())
     }
@@ -241,9 +261,20 @@ impl Service {
         Ok(Some(Measured { pose, twist, buttons: self.buttons, at: Instant::now() }))
     }
 
+    /// Waits for a message, as [`receive`], and notes that the service spoke.
+    fn receive(&mut self) -> Result<Received, DeviceError> {
+        let received = receive(&mut self.socket)?;
+        if !matches!(received, Received::Nothing) {
+            self.pace.heard(Instant::now());
+        }
+        Ok(received)
+    }
+
     fn send_force(&mut self, force: &Point) -> Result<(), DeviceError> {
         let id = self.id.clone();
-        self.send(&Commands::force(&id, force))
+        self.send(&Commands::force(&id, force))?;
+        self.pace.sent(*force != [0.0; 3], Instant::now());
+        Ok(())
     }
 
     fn send(&mut self, commands: &Commands) -> Result<(), DeviceError> {

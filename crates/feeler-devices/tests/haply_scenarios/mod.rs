@@ -133,6 +133,21 @@ fn a_service_that_stops_telling_is_lost_and_comes_back() {
     service.check();
 }
 
+/// Forces that are sent ahead wait at the service, and act when they are old.
+#[test]
+fn no_force_is_sent_ahead_of_a_slow_services_answers() {
+    let service = Service::start(inverse3());
+    let mut device = service.open();
+    service.shared().mood = Mood::Slow;
+    eventually("40 slow answers", || {
+        device.write(&force(1.0, 0.0, 0.0), 0.0).unwrap();
+        (service.shared().slow >= 40).then_some(())
+    });
+    assert!(service.shared().early < 10, "{} forces waited", service.shared().early);
+    assert_eq!(service.last_force(), Some([1.0, 0.0, 0.0]));
+    service.check();
+}
+
 #[test]
 fn nonsense_is_told_until_there_is_a_good_state_again() {
     let service = Service::start(with_grip());

@@ -20,6 +20,8 @@ pub enum Mood {
     Says(String),
     Bytes,
     Closes,
+    /// As good, 20 ms late.
+    Slow,
 }
 
 pub struct Shared {
@@ -32,6 +34,9 @@ pub struct Shared {
     pub profile: Option<String>,
     pub preset: Option<String>,
     pub has_said_goodbye: bool,
+    /// By a slow service: answers, and forces that came before the answer to the command before them.
+    pub slow: usize,
+    pub early: usize,
     has_preset: bool,
     /// The faults of received and sent messages.
     faults: Vec<String>,
@@ -57,6 +62,8 @@ impl Service {
             profile: None,
             preset: None,
             has_said_goodbye: false,
+            slow: 0,
+            early: 0,
             has_preset: false,
             faults: vec![],
             judged: [0; 2],
@@ -107,7 +114,10 @@ fn serve(stream: TcpStream, shared: &Mutex<Shared>) {
         match socket.read() {
             Ok(Message::Text(text)) => {
                 let wants_all = take(&text, &mut shared.lock().unwrap());
-                tell(&mut socket, shared, wants_all);
+                let waiting = if shared.lock().unwrap().mood == Mood::Slow { dawdle(&mut socket, shared) } else { 0 };
+                for _ in 0..=waiting {
+                    tell(&mut socket, shared, wants_all);
+                }
             }
             Ok(Message::Close(_)) => shared.lock().unwrap().has_said_goodbye = true,
             Ok(_) => {}
@@ -123,12 +133,28 @@ fn serve(stream: TcpStream, shared: &Mutex<Shared>) {
     }
 }
 
+/// Lets time pass, and takes the commands that came meanwhile: how many.
+fn dawdle(socket: &mut WebSocket<TcpStream>, shared: &Mutex<Shared>) -> usize {
+    std::thread::sleep(Duration::from_millis(20));
+    let mut waiting = 0;
+    socket.get_ref().set_read_timeout(Some(Duration::from_millis(1))).unwrap();
+    while let Ok(Message::Text(text)) = socket.read() {
+        let mut shared = shared.lock().unwrap();
+        take(&text, &mut shared);
+        shared.early += usize::from(shared.forces.last().is_some_and(|force| *force != [0.0; 3]));
+        waiting += 1;
+    }
+    socket.get_ref().set_read_timeout(Some(Duration::from_millis(5))).unwrap();
+    shared.lock().unwrap().slow += 1;
+    waiting
+}
+
 /// Answers once; the full state has the configuration too.
 fn tell(socket: &mut WebSocket<TcpStream>, shared: &Mutex<Shared>, is_full: bool) {
     let message = {
         let mut shared = shared.lock().unwrap();
         match &shared.mood {
-            Mood::Good => {
+            Mood::Good | Mood::Slow => {
                 let state = state(&shared, is_full);
                 shared.judged[1] += 1;
                 shared.faults.extend(judge::fault_of_state(&state));

@@ -91,16 +91,19 @@ impl Mapping {
         };
         let limits = &info.limits;
         limits.check()?;
+        let own_rate_hz = limits.own_rate_hz();
+        let slowed = limits.slowed(own_rate_hz);
         let held = match (limits.damping_n_s_per_m, limits.stiffness_n_per_m) {
             (0.0, 0.0) => f64::INFINITY,
-            (0.0, stiffness) => WALL_SHARE * stiffness,
-            (damping, _) => WALL_SHARE * damping / limits.hold_s(limits.rate_hz),
+            (0.0, stiffness) => WALL_SHARE * slowed * stiffness,
+            (damping, _) => WALL_SHARE * damping / limits.hold_s(own_rate_hz),
         };
+        let softened = if held.is_finite() { 1.0 } else { slowed };
         let walls = info.workspace.map(|half| {
             let depth = WALL_DEPTH * half;
             let is_there = info.driven.translation && half.is_finite() && half > 0.0;
             let most = WALL_FORCE_SHARE * limits.force_n;
-            Wall { from: half - depth, stiffness: if is_there { held.min(most / depth) } else { 0.0 }, most }
+            Wall { from: half - depth, stiffness: if is_there { held.min(softened * most / depth) } else { 0.0 }, most }
         });
         Ok(Mapping {
             info: info.clone(),

@@ -12,7 +12,7 @@ pub mod steered;
 use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::Pose;
 
-use crate::constants::{HELD_SHARE, VIRTUAL_DAMPING_SHARE};
+use crate::constants::{HELD_SHARE, USUAL_HZ, VIRTUAL_DAMPING_SHARE};
 use crate::error::Error;
 
 /// Which freedoms a device senses or drives.
@@ -32,7 +32,8 @@ pub struct DeviceLimits {
     pub force_n: f64,
     /// Largest torque, newton metres; 0 where it drives none.
     pub torque_nm: f64,
-    /// Largest stiffness that its maker publishes, or that its user knows, newtons a metre. 0: not known, and it bounds nothing.
+    /// Largest stiffness that its maker publishes, or that its user knows, newtons a metre; where the damping is not
+    /// known, in a loop of 1 kHz without delay. 0: not known, and it bounds nothing.
     pub stiffness_n_per_m: f64,
     /// The same in rotation, newton metres a radian.
     pub rotational_stiffness_nm_per_rad: f64,
@@ -50,7 +51,7 @@ pub struct DeviceLimits {
     pub resolution_m: f64,
     /// Smallest step of the measured rotation, radians.
     pub rotational_resolution_rad: f64,
-    /// Rate of forces and poses, hertz.
+    /// Rate of forces and poses, hertz. 0: not known, and it bounds nothing.
     pub rate_hz: f64,
     /// From a motion of the handle to the force that answers it, seconds, beyond the hold of one tick: the pose's way
     /// in and the force's way out, of the device and its connection. It takes stiffness away, as the period does.
@@ -102,6 +103,21 @@ impl DeviceLimits {
     pub fn with_stiffness(self, stiffness_n_per_m: f64, rate_hz: f64) -> DeviceLimits {
         let share = HELD_SHARE * (1.0 - VIRTUAL_DAMPING_SHARE);
         DeviceLimits { stiffness_n_per_m, damping_n_s_per_m: stiffness_n_per_m * self.hold_s(rate_hz) / share, ..self }
+    }
+
+    /// Its rate, or the usual one where that is not known, hertz.
+    pub(crate) fn own_rate_hz(&self) -> f64 {
+        if self.rate_hz > 0.0 {
+            self.rate_hz
+        } else {
+            USUAL_HZ
+        }
+    }
+
+    /// Share of a stiffness for the usual loop without delay that a loop of a rate (hertz) holds: in proportion to how old
+    /// its forces are, at most 1.
+    pub(crate) fn slowed(&self, rate_hz: f64) -> f64 {
+        (0.5 / USUAL_HZ / self.hold_s(rate_hz)).min(1.0)
     }
 
     /// How old a force is on average when it acts, seconds: half a period of the slower of loop (`rate_hz`) and device,

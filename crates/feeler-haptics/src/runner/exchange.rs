@@ -63,6 +63,13 @@ pub struct View {
     pub buttons: u32,
     /// Whether the clutch is held.
     pub is_clutched: bool,
+    /// Share of the coupling's stiffness in use: below 1 where the servo or the device is slower than the coupling is
+    /// limited for.
+    pub stiffness_share: f64,
+    /// Mean of the last ticks, and of the times between the device's reports, seconds.
+    pub(super) periods_s: [f64; 2],
+    /// Mean age of the device's reports when they come, seconds.
+    pub(super) late_s: f64,
     pub(super) held: [Plane; VIEW_PLANES],
     pub(super) held_count: usize,
 }
@@ -81,6 +88,9 @@ impl View {
             mode: Mode::Doubt,
             buttons: 0,
             is_clutched: false,
+            stiffness_share: 1.0,
+            periods_s: [0.0; 2],
+            late_s: 0.0,
             held: [Plane::default(); VIEW_PLANES],
             held_count: 0,
         }

@@ -3,6 +3,7 @@
 mod collision_side;
 mod exchange;
 mod options;
+mod reports;
 mod servo_side;
 mod trace;
 
@@ -58,6 +59,8 @@ pub struct Stopped {
     pub device: Option<Box<dyn Device>>,
     /// Of the whole run.
     pub statistics: Statistics,
+    /// The ticks that [`Watch::trace`] had not taken.
+    pub trace: Vec<TraceTick>,
     /// Why it ended by itself, if it did.
     pub error: Option<Error>,
     /// Why the device failed the last time, if it did.
@@ -204,6 +207,7 @@ pub struct Runner {
     /// Of the device, in the tool's world, and the servo's rate.
     info: DeviceInfo,
     rate_hz: f64,
+    scale: f64,
 }
 
 impl Runner {
@@ -255,8 +259,8 @@ impl Runner {
         let _ = collision_in.send(collision);
         let _ = servo_in.send(servo);
         let (servo, collision) = (Some(servo_thread), Some(collision_thread));
-        let rate_hz = options.rate_hz;
-        Ok(Runner { is_over, commands, watch, servo, collision, coupling, limitations, info, rate_hz })
+        let (rate_hz, scale) = (options.rate_hz, options.mapping.scale);
+        Ok(Runner { is_over, commands, watch, servo, collision, coupling, limitations, info, rate_hz, scale })
     }
 
     /// Whether both threads are at work. One that panicked ends both.
@@ -279,19 +283,23 @@ impl Runner {
         &self.limitations
     }
 
-    /// The same, a sentence for each number: the reduced value, the requested one, and the reason; also if the servo
-    /// runs clearly slower than requested, which reduces its stiffness. Numbers are in the tool's world, like the
-    /// coupling's.
+    /// The same, a sentence for each number: the reduced value, the requested one, and the reason; also if the servo or
+    /// the device is clearly slower than the coupling is limited for, which reduces the stiffness in use. Numbers are in
+    /// the tool's world, like the coupling's.
     pub fn limitations_in_words(&mut self) -> Vec<String> {
-        let mut said = self.limitations.in_words(&self.info, self.rate_hz);
-        let Statistics { ticks, servo_hz, .. } = self.watch.statistics();
-        if ticks >= TICKS_FOR_A_RATE && RATE_SHARE * servo_hz < self.rate_hz {
-            let [wanted, rate_hz] = [self.coupling.stiffness_n_per_m, self.rate_hz];
-            let [allowed, wanted, servo_hz, rate_hz] =
-                [wanted * servo_hz / rate_hz, wanted, servo_hz, rate_hz].map(in_words);
-            said.push(format!(
-                "stiffness {allowed} N/m instead of {wanted}: the servo runs at {servo_hz} Hz instead of {rate_hz}"
-            ));
+        let mut said = self.limitations.in_words(&self.info, self.rate_hz, self.scale);
+        let view = *self.watch.view();
+        if view.number >= TICKS_FOR_A_RATE && view.stiffness_share < 1.0 {
+            let why = slow_in_words(&view, &self.info, self.rate_hz);
+            let Coupling { stiffness_n_per_m, rotational_stiffness_nm_per_rad, .. } = self.coupling;
+            let springs = [
+                ("stiffness", stiffness_n_per_m, "N/m"),
+                ("rotational stiffness", rotational_stiffness_nm_per_rad, "Nm/rad"),
+            ];
+            for (what, wanted, unit) in springs.into_iter().filter(|(_, wanted, _)| *wanted > 0.0) {
+                let [allowed, wanted] = [view.stiffness_share * wanted, wanted].map(in_words);
+                said.push(format!("{what} {allowed} {unit} instead of {wanted}: {why}"));
+            }
         }
         said
     }
@@ -370,8 +378,8 @@ impl Runner {
             None => (None, None),
         };
         let error = error.or(broken.map(|why| Error::Device { why }));
-        let statistics = self.watch.statistics();
-        Stopped { session, device, statistics, error, device_error, collision_error }
+        let (statistics, trace) = (self.watch.statistics(), self.watch.trace());
+        Stopped { session, device, statistics, trace, error, device_error, collision_error }
     }
 }
 
@@ -381,6 +389,24 @@ impl Drop for Runner {
             self.end();
         }
     }
+}
+
+/// Why a view has less stiffness than the coupling: the servo or the device is slow, or late, with both figures.
+fn slow_in_words(view: &View, info: &DeviceInfo, rate_hz: f64) -> String {
+    let [servo_s, reports_s] = view.periods_s;
+    let nominal_hz = if info.limits.rate_hz > 0.0 { rate_hz.min(info.limits.rate_hz) } else { rate_hz };
+    let name = &info.name;
+    let late = view.late_s - info.limits.delay_s;
+    if late > servo_s.max(reports_s) {
+        let [late, known] = [1e3 * view.late_s, 1e3 * info.limits.delay_s].map(in_words);
+        return format!("the poses of the {name} are {late} ms old when they come instead of {known}");
+    }
+    if reports_s > RATE_SHARE * servo_s {
+        let [reports, nominal] = [1.0 / reports_s, nominal_hz].map(in_words);
+        return format!("the {name} reports {reports} poses a second instead of {nominal}");
+    }
+    let [servo, nominal] = [1.0 / servo_s, rate_hz].map(in_words);
+    format!("the servo runs at {servo} Hz instead of {nominal}")
 }
 
 fn thread<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'static) -> Result<JoinHandle<T>> {

@@ -8,6 +8,7 @@ use rtrb::Producer;
 use triple_buffer::{Input, Output};
 
 use super::exchange::{Handed, Target, Told, View};
+use super::reports::Reports;
 use super::trace::TraceTick;
 use crate::constants::{JUMP_SPEED, RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
 use crate::constraint_set::Plane;
@@ -97,6 +98,10 @@ pub struct ServoSide {
     recorded: f64,
     period: f64,
     silent_s: f64,
+    reports: Reports,
+    has_news: bool,
+    /// Share of the soft wall's stiffness that the servo's rate leaves.
+    wall_share: f64,
     start: u64,
     target: Target,
     last: Option<f64>,
@@ -116,7 +121,10 @@ impl ServoSide {
             Ok(servo) => servo,
             Err(error) => return Err((error, device)),
         };
-        let between = if info.limits.rate_hz > 0.0 { 1.0 / info.limits.rate_hz } else { 0.0 };
+        let limits = &info.limits;
+        let between = if limits.rate_hz > 0.0 { 1.0 / limits.rate_hz } else { 0.0 };
+        let (period, silent_s) = (1.0 / rate_hz, SILENT_S.max(SILENT_PERIODS * between));
+        let wall_share = (limits.hold_s(limits.own_rate_hz()) / limits.hold_s(rate_hz)).min(1.0);
         Ok(ServoSide {
             device: Held(Some(device)),
             mapping,
@@ -130,8 +138,11 @@ impl ServoSide {
             ends,
             record: ServoRecord::default(),
             recorded: f64::NEG_INFINITY,
-            period: 1.0 / rate_hz,
-            silent_s: SILENT_S.max(SILENT_PERIODS * between),
+            period,
+            silent_s,
+            reports: Reports::new(period.max(between), silent_s),
+            has_news: false,
+            wall_share,
             start: 0,
             target: Target { pose: start_pose, number: 0, start: 0 },
             last: None,
@@ -212,6 +223,7 @@ impl ServoSide {
         if !self.is_credible(&state, now) {
             return None;
         }
+        self.has_news |= self.reports.saw(state.time, now);
         let mapped: Result<Mapped> = match self.index_at.take() {
             Some(pose) => self.mapping.update(&state).and_then(|_| {
                 self.mapping.set_tool(&pose);
@@ -238,6 +250,8 @@ impl ServoSide {
         // A clutch is no doubt, but it has no force either.
         let in_doubt = mapped.is_none_or(|mapped| mapped.is_clutched);
         let device_twist = mapped.and_then(|mapped| mapped.twist);
+        let has_news = std::mem::take(&mut self.has_news);
+        self.servo.set_reports(has_news, self.reports.period_s(), self.reports.late_s());
         let mut output = self.servo.tick(&handed.set, &ServoInput { device, device_twist, now, dt, in_doubt });
         if mapped.is_none() {
             // Velocities over a gap are none.
@@ -268,7 +282,8 @@ impl ServoSide {
             Wrench::ZERO
         } else {
             let slew = self.servo.coupling().slew_n_per_s;
-            let wall = self.border.step(&self.mapping.wall(), self.mapping.handle().translation(), slew, dt);
+            let wall = scaled(&self.mapping.wall(), self.wall_share * self.servo.stiffness_share());
+            let wall = self.border.step(&wall, self.mapping.handle().translation(), slew, dt);
             self.mapping.wrench_with_wall(&output.wrench, &wall)
         };
         if let Some(Err(error)) = self.device.0.as_mut().map(|device| device.write(&wrench, now)) {
@@ -294,6 +309,8 @@ impl ServoSide {
         (view.time, view.proxy, view.ahead, view.device) = (now, proxy, output.proxy, device);
         (view.wrench, view.age, view.mode) = (output.wrench, output.age, output.mode);
         (view.buttons, view.is_clutched) = (mapped.map_or(0, |mapped| mapped.held), is_clutched);
+        view.stiffness_share = self.servo.stiffness_share();
+        (view.periods_s, view.late_s) = ([self.servo.period_s(), self.reports.period_s()], self.reports.late_s());
         // A slot of the buffer has the planes of an earlier tick.
         (view.held, view.held_count) = ([Plane::default(); VIEW_PLANES], 0);
         if handed.has_proxy {

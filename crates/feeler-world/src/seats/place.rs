@@ -85,24 +85,31 @@ pub fn crossings_in_place(
         Some(Inside { at: *crossings(&p, &mockup.mesh().triangle(*m)).first()?, triangles: [*t, *m] })
     };
     let crossed = pairs.iter().step_by(pairs.len().div_ceil(most).max(1)).filter_map(crossing);
-    for Inside { at, triangles } in crossed.chain(inside.iter().copied()) {
+    let samples = inside.iter().map(|sample| (*sample, true));
+    for (Inside { at, triangles }, is_sample) in crossed.map(|crossing| (crossing, false)).chain(samples) {
         let t = triangles[0];
         let p = pose.apply_triangle(&mesh.triangle(t));
         let Some(normal) = unit(&cross(&sub(&p[1], &p[0]), &sub(&p[2], &p[0]))) else { continue };
         let own = tool.part_of_face(t);
         let outward = if tool.adjacency().outward[t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
-        let depth = if is_in(tool, own, start, &at, 0.0) { 1.0 } else { -1.0 } * distance_to(tool, own, start, &at);
+        let (distance, nearest) = nearest_to(tool, own, start, &at);
+        let is_out = !is_in(tool, own, start, &at, 0.0);
+        let depth = if is_out { -distance } else { distance };
+        // A corner outside of the place leaves it away from the place, whatever way its faces look.
+        let away = unit(&sub(&at, &nearest)).filter(|_| is_sample && is_out && distance > SEAT_TOLERANCE);
+        let outward = away.unwrap_or(outward);
         found.push(Crossing { at, outward, room: room_around(tool, own) + depth, triangles });
     }
     found
 }
 
-/// From a point of the world to the surface of a part of the tool at a pose, metres.
-fn distance_to(tool: &Tool, part: u32, pose: &Pose, at: &Point) -> f64 {
+/// From a point of the world to the surface of a part of the tool at a pose, metres, and the nearest point there.
+fn nearest_to(tool: &Tool, part: u32, pose: &Pose, at: &Point) -> (f64, Point) {
     let own = tool.mesh().queried().filter(|t| tool.part_of_face(*t) == part);
-    let distance =
-        |t: u32| closest_triangle_triangle(&[*at; 3], &pose.apply_triangle(&tool.mesh().triangle(t))).distance;
-    own.map(distance).fold(f64::INFINITY, f64::min)
+    let closest = |t: u32| closest_triangle_triangle(&[*at; 3], &pose.apply_triangle(&tool.mesh().triangle(t)));
+    own.map(closest)
+        .min_by(|a, b| a.distance.total_cmp(&b.distance))
+        .map_or((f64::INFINITY, *at), |closest| (closest.distance, closest.on_q))
 }
 
 /// Where edges of one triangle go through the other.
