@@ -21,6 +21,12 @@ THROUGH = (
 )
 PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
     "one solid in both": (joined(SOLID, FAR_A), joined(SOLID, FAR_B), Verdict.CONTAINED, 0),
+    "one solid in both, one beside it in a face": (
+        joined(SOLID, box((1, 0.2, 0.2), (2, 0.4, 0.4))),
+        SOLID,
+        Verdict.CONTAINED,
+        0,
+    ),
     "a hollow solid in both": (joined(HOLLOW, FAR_A), joined(FAR_B, HOLLOW), Verdict.CONTAINED, 0),
     "one in both, others cross": (
         joined(SOLID, FAR_A),

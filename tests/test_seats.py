@@ -101,8 +101,8 @@ def test_a_bolt_without_a_hole_leaves_along_its_axis_alone_in_all_rooms(engine: 
         way = [np.eye(4), shifted(FAR * direction)]
         # The page's hand does not turn aside: it stays within the play of the place.
         assert np.linalg.norm(dragged(scene, part, way)[:3, 3]) < 0.03 * size
-        # A hand with force may be led out along the axis: in the plate, the bolt leaves its place by the play alone. Almost
-        # out, its end is in the place of its head, which is wider.
+        # A hand with force may be led out along the axis: in the plate, the bolt leaves its place by the play alone.
+        # Almost out, its end is in the place of its head, which is wider.
         poses: list[np.ndarray] = []
         led(scene, part, way, 0.001, poses)
         centre = own.vertices.mean(axis=0)

@@ -21,12 +21,12 @@ struct Piece {
     corners: Vec<Point>,
 }
 
-/// Whether each of two parts has several solids and one of them is in the same place as one of the other.
+/// Whether one of two parts has several solids, and a solid of the one is in the same place as one of the other.
 pub fn may_share_solids(solids: &Solids<'_>, parts: [u32; 2], rounding: f64) -> bool {
     let [p, q] = parts.map(|part| solids.of(part));
     let mut own: Vec<&Aabb> = p.shells().iter().map(|shell| &shell.bounds).collect();
     let others = q.shells();
-    if own.len() < 2 || others.len() < 2 {
+    if own.is_empty() || others.is_empty() || own.len() + others.len() < 3 {
         return false;
     }
     own.sort_unstable_by(|a, b| a.lower[0].total_cmp(&b.lower[0]));
