@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from feeler.clashes import Exclusion, Rules
 from feeler.clashes.limits import both_sides
 from feeler.clashes.tracking import NEW
-from feeler.errors import OptionError
+from feeler.errors import FeelerError, OptionError
 from feeler.parts import Parts
 from feeler.workbench.document.document import Findings
 from feeler.workbench.document.finding_table import FindingTable
@@ -39,6 +39,27 @@ def with_exclusion(rules: str, name: str, a: str, b: str) -> str:
     made = "\n".join([*([rules.rstrip("\n"), ""] if rules.strip() else []), *lines]) + "\n"
     Rules.parse(made)
     return made
+
+
+def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
+    """The text of rules with other patterns, and all else as it is; unchanged where that cannot be done."""
+    try:
+        before = Rules.parse(rules)
+    except FeelerError:
+        return rules
+    made = rules
+    for each in dict.fromkeys(word for rule in (*before.rules, *before.exclusions) for word in (*rule.a, *rule.b)):
+        now = pattern(each)
+        if now != each:
+            for quoted in (_quoted(each), json.dumps(each), f"'{each}'"):
+                made = made.replace(quoted, _quoted(now))
+    try:
+        after = Rules.parse(made)
+    except FeelerError:
+        return rules
+    kept = [(rule.name, tuple(map(pattern, (*rule.a, *rule.b)))) for rule in (*before.rules, *before.exclusions)]
+    is_whole = kept == [(rule.name, (*rule.a, *rule.b)) for rule in (*after.rules, *after.exclusions)]
+    return made if is_whole else rules
 
 
 def mask_of(table: FindingTable, parts: Parts, a: str, b: str) -> npt.NDArray[np.bool_]:
