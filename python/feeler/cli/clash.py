@@ -178,6 +178,7 @@ def clash(
         world = read_checked(mockup, work.unit, work.up, chord_tolerance)
         if book is not None:
             take_mockup(book, world, work)
+            before = book.clashes()
         if before is not None:
             check_previous(world, before)
         scene = indexed(world, without, only, threads)

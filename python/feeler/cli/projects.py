@@ -147,12 +147,16 @@ def _names_same(known: Any, places: list[list[str]]) -> bool:
 
 def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
     """Makes a new project one of a mock-up. Raises `LoadError` for a project of another one."""
-    from feeler.project.book import dumps
+    from feeler.project.book import CHECK, dumps
     from feeler.project.parts import contents_of, rows_of
+    from feeler.project.renaming import Names, renaming_changes
     from feeler.project.store import put
 
     if project.parts():
-        project.revision(mockup)
+        revision = project.revision(mockup)
+        if project.fact(CHECK) is None:
+            # Findings of the workbench, without the shapes that a check compares: the project knows its parts.
+            project.write(renaming_changes(project, Names.of(revision)))
     else:
         project.write(rows_of(contents_of(mockup)))
     known = project.fact("opened")

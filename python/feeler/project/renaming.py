@@ -42,8 +42,15 @@ class Names:
         return self.keys.get(key, key)
 
     def pattern(self, pattern: str, parts: Parts) -> str:
-        """A pattern with the names of now, if it names no part of the mock-up as it is, and one with them."""
-        if not self.keys or named_parts(pattern, parts):
+        """A pattern with the names of now, if it names no part of the mock-up as it is, and one with them.
+
+        A regular expression that begins with a folder gets the name that it has now.
+        """
+        if not self.keys:
+            return pattern
+        if pattern.startswith(_REGEX):
+            return next(self._renamed(pattern), pattern)
+        if named_parts(pattern, parts):
             return pattern
         return next((made for made in self._renamed(pattern) if named_parts(made, parts)), pattern)
 
@@ -69,11 +76,13 @@ def _as_pattern(old: str, new: str, pattern: str) -> Iterator[tuple[str, str]]:
 
 
 def named_parts(pattern: str, parts: Parts) -> list[int]:
-    """The parts that a pattern of a requirement or a rule names, ascending; none for one that is wrong."""
+    """The parts that a pattern of a requirement or a rule names, ascending; none for one that is wrong.
+
+    All for a regular expression: one of a stranger's project may take for ever, and is not tried before it is asked.
+    """
+    if pattern.startswith(_REGEX):
+        return list(range(len(parts)))
     try:
-        if pattern.startswith(_REGEX):
-            matches = re.compile(pattern[len(_REGEX) :]).fullmatch
-            return [part.index for part in parts if matches(part.path)]
         return [int(part) for part in parts.select(pattern)]
     except (FeelerError, ValueError, RecursionError, OverflowError):
         return []

@@ -20,6 +20,7 @@ from feeler.workbench.document.document import Findings
 from feeler.workbench.document.finding_table import FindingTable
 
 _DIGITS = re.compile(r"\d+")
+_NAME = re.compile(r"\s*name\s*=")
 _SPECIAL = re.compile(r"([*?\[\]])")
 
 
@@ -47,12 +48,13 @@ def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
         before = Rules.parse(rules)
     except FeelerError:
         return rules
-    made = rules
-    for each in dict.fromkeys(word for rule in (*before.rules, *before.exclusions) for word in (*rule.a, *rule.b)):
-        now = pattern(each)
-        if now != each:
-            for quoted in (_quoted(each), json.dumps(each), f"'{each}'"):
-                made = made.replace(quoted, _quoted(now))
+    words = dict.fromkeys(word for rule in (*before.rules, *before.exclusions) for word in (*rule.a, *rule.b))
+    others = {each: now for each in words if (now := pattern(each)) != each}
+    lines = rules.splitlines(keepends=True)
+    for each, now in others.items():
+        for quoted in (_quoted(each), json.dumps(each), f"'{each}'"):
+            lines = [line if _NAME.match(line) else line.replace(quoted, _quoted(now)) for line in lines]
+    made = "".join(lines)
     try:
         after = Rules.parse(made)
     except FeelerError:
