@@ -6,7 +6,6 @@ import contextlib
 import datetime
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +15,6 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, stand
 
 import feeler
 from feeler.cli.projects import Work, take_mockup
-from feeler.clashes.tracking import clash_id
-from feeler.io import write_glb
-from feeler.parts import Parts
 from feeler.project.book import open_or_make
 from feeler.project.renaming import Names
 from feeler.workbench.document.finding_rules import renamed_rules

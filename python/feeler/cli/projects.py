@@ -64,14 +64,19 @@ def _is_project(source: str) -> bool:
     return not source.startswith(_SAMPLE) and Path(source).suffix.lower() == _SUFFIX
 
 
-def open_named(path: Path, read_only: bool = False) -> Book:
-    """Opens the project, or makes it. Raises its errors, with the options to use."""
+def open_named(path: Path, read_only: bool = False, *, can_read_only: bool = True) -> Book:
+    """Opens the project, or makes it. Raises its errors, with the options to use.
+
+    can_read_only: whether the command has --read-only.
+    """
     from feeler.project.book import open_or_make
 
     try:
         return open_or_make(path, read_only=read_only)
     except ProjectError as error:
-        raise ProjectError(str(error).replace("(--read-only, read_only=True)", "with --read-only")) from None
+        offer = ", or open it read-only"
+        said = str(error).replace(" (--read-only, read_only=True)", " with --read-only")
+        raise ProjectError(said if can_read_only else said.partition(offer)[0]) from None
 
 
 def work_of(project: Book, given: Work) -> Work:

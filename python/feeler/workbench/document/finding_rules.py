@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes import Exclusion, Rules
+from feeler.clashes import Exclusion, Rule, Rules
 from feeler.clashes.limits import both_sides
 from feeler.clashes.tracking import NEW
 from feeler.errors import FeelerError, OptionError
@@ -48,7 +48,7 @@ def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
         before = Rules.parse(rules)
     except FeelerError:
         return rules
-    words = dict.fromkeys(word for rule in (*before.rules, *before.exclusions) for word in (*rule.a, *rule.b))
+    words = dict.fromkeys(word for rule in _all_of(before) for word in (*rule.a, *rule.b))
     others = {each: now for each in words if (now := pattern(each)) != each}
     lines = rules.splitlines(keepends=True)
     for each, now in others.items():
@@ -59,9 +59,13 @@ def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
         after = Rules.parse(made)
     except FeelerError:
         return rules
-    kept = [(rule.name, tuple(map(pattern, (*rule.a, *rule.b)))) for rule in (*before.rules, *before.exclusions)]
-    is_whole = kept == [(rule.name, (*rule.a, *rule.b)) for rule in (*after.rules, *after.exclusions)]
+    kept = [(rule.name, tuple(map(pattern, (*rule.a, *rule.b)))) for rule in _all_of(before)]
+    is_whole = kept == [(rule.name, (*rule.a, *rule.b)) for rule in _all_of(after)]
     return made if is_whole else rules
+
+
+def _all_of(rules: Rules) -> list[Rule | Exclusion]:
+    return [*rules.rules, *rules.exclusions]
 
 
 def mask_of(table: FindingTable, parts: Parts, a: str, b: str) -> npt.NDArray[np.bool_]:

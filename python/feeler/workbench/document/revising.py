@@ -91,7 +91,8 @@ def _aged(stale: Sinces, parts: Iterable[int], revision: Revision) -> Sinces:
         step = revision.differs.get(part)
         if step is None:
             continue
-        change, content = step
+        change: str = step[0]
+        content = step[1]
         was = found.get(part)
         if was is not None:
             change, content = min(change, was.change, key=_WORST.index), was.content
