@@ -153,7 +153,7 @@ export interface Findings {
   readonly is_touching_hidden: boolean;
   /** Null: the findings are of a file. */
   readonly check: Check | null;
-  /** By part id: parts of findings that differ since, in another revision. */
+  /** By part id: parts that differ since, in another revision, also those without findings. */
   readonly stale: Readonly<Record<string, StalePart>>;
 }
 

@@ -251,8 +251,8 @@ class Findings:
 
     table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. own_groups:
     made by hand, and `members` the group of a finding by its id. check: None for findings of a file. aside: the marks
-    of findings that an exclusion hides, for when it is gone; pages do not see them. stale: parts of findings that
-    differ since.
+    of findings that an exclusion hides, for when it is gone; pages do not see them. stale: parts that differ since,
+    also those without findings.
     """
 
     table: FindingTable

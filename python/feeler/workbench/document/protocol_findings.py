@@ -61,7 +61,7 @@ class Findings(TypedDict):
     check: Check | None
     """Null: the findings are of a file."""
     stale: dict[str, StalePart]
-    """By part id: parts of findings that differ since, in another revision."""
+    """By part id: parts that differ since, in another revision, also those without findings."""
 
 
 class ClashSettings(TypedDict):

@@ -55,7 +55,8 @@ def with_check(document: Document, contents: Mapping[str, str], now: Sequence[Pa
 
 
 def _findings(found: Findings, revision: Revision) -> Findings:
-    return replace(found, stale=_aged(found.stale, _parts_of(found), revision))
+    # Parts without findings, too: they may have some now.
+    return replace(found, stale=_aged(found.stale, revision.differs, revision))
 
 
 def _parts_of(found: Findings) -> list[int]:
