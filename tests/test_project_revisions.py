@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,8 @@ import feeler
 from feeler.cli.projects import Work, take_mockup
 from feeler.project.book import open_or_make
 from feeler.project.renaming import Names
+from feeler.project.store import put
+from feeler.workbench.document.document import Since
 from feeler.workbench.document.finding_rules import renamed_rules
 from feeler.workbench.document.keeping import encoded
 from feeler.workbench.report.content import report_of
@@ -254,11 +257,37 @@ def test_a_damaged_list_of_stale_parts_is_told(tmp_path: Path) -> None:
     saved(session)
     (measure,) = session.current.measures
     session.close()
-    from feeler.project.store import put
-    from feeler.workbench.document.document import Since
-
     wrong = encoded(replace(measure, stale={99: Since("moved", "")}))
     with contextlib.closing(open_or_make(path)) as book:
         book.write([put("measures", str(measure.id), 0, wrong)])
     with pytest.raises(feeler.LoadError, match="there is no part 99"):
         opened(path)
+
+
+def test_a_project_of_an_older_feeler_says_of_all_its_results_what_is_stale(tmp_path: Path) -> None:
+    path, raised = tmp_path / "a.feelproj", revision(p3=("move", 0.015625))
+    session = opened(path)
+    session.command("requirement_add", {"name": "peg", "a": PATHS[PEG], "b": PATHS[PLATE], "gap": 0.0})
+    session.command("measure_add", {"type": "parts", "parts": [PEG, RIGHT], "name": "m"})
+    take(session, "verify")
+    take(session, "clash")
+    saved(session)
+    session.close()
+    session = opened(path, raised)
+    saved(session)
+    session.close()
+    with contextlib.closing(open_or_make(path)) as book:
+        for table in ("document", "measures", "requirements"):
+            for row in book.rows(table):
+                value = re.sub(r',"stale":{("3":{[^}]*})?}', "", row.value)
+                book.write([put(table, row.id, row.place, value)])
+        assert not any('"stale":' in row.value for table in ("document", "measures") for row in book.rows(table))
+    session = opened(path, raised)
+    assert marks(session) == [{PEG: "moved"}] * 3
+    take(session, "verify")
+    assert marks(session)[0] == {}
+    saved(session)
+    session.close()
+    session = opened(path, raised)
+    assert marks(session) == [{}, {PEG: "moved"}, {PEG: "moved"}]
+    session.close()

@@ -5,7 +5,7 @@ A part that a later revision has again as it was makes no result stale.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -14,10 +14,12 @@ import numpy as np
 from feeler.parts import Parts
 from feeler.project.parts import PartContent, Revision
 from feeler.project.renaming import named_parts
+from feeler.project.store import Row
 from feeler.workbench.document.document import Document, Findings, KeptClear, Measure, Removal, Since
 
 _MOST = 2_000
 """Parts that a result names; a page lists some of them."""
+_STALE = '"stale":'
 _WORST = ("changed", "new", "moved")
 
 Sinces = Mapping[int, Since]
@@ -38,6 +40,49 @@ def with_revision(document: Document, revision: Revision, parts: Parts) -> Docum
         measures=tuple(_measure(each, revision) for each in document.measures),
         sequence=tuple(_line(each, revision) for each in document.sequence),
         requirements=tuple(_requirement(each, revision, parts, selected) for each in document.requirements),
+    )
+
+
+def with_older(
+    document: Document,
+    rows: Callable[[str], list[Row]],
+    known: Sequence[PartContent],
+    number: Callable[[int], int | None],
+    parts: Parts,
+) -> Document:
+    """The document of an older feeler, which knew what is stale of the whole project alone. number: of a part now."""
+    was: dict[int, Since] = {}
+    for old, part in enumerate(known):
+        now = number(old)
+        if part.change is not None and now is not None:
+            was[now] = Since(part.change, "" if part.change == "new" else part.base)
+    if not was:
+        return document
+
+    def older(table: str) -> set[str]:
+        return {row.id for row in rows(table) if _STALE not in row.value}
+
+    def of(chosen: Iterable[int]) -> Sinces:
+        return _bounded({part: was[part] for part in chosen if part in was})
+
+    lines, measures, asked = older("sequence"), older("measures"), older("requirements")
+    found = document.findings
+    if found is not None and "findings" in older("document"):
+        found = replace(found, stale=_bounded(was))
+    requirements = []
+    for each in document.requirements:
+        if each.verdict is not None and str(each.id) in asked:
+            chosen = [*each.verdict.parts, *named_parts(each.a, parts), *named_parts(each.b, parts)]
+            each = replace(each, verdict=replace(each.verdict, stale=of(dict.fromkeys(chosen))))
+        requirements.append(each)
+    return replace(
+        document,
+        findings=found,
+        requirements=tuple(requirements),
+        sequence=tuple(replace(line, stale=of(was)) if str(line.id) in lines else line for line in document.sequence),
+        measures=tuple(
+            replace(each, stale=of(each.parts)) if str(each.id) in measures else each for each in document.measures
+        ),
     )
 
 

@@ -20,7 +20,7 @@ from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.cards import task_parts
 from feeler.workbench.document.document import Document, MockupFacts
 from feeler.workbench.document.frames import check
-from feeler.workbench.document.revising import with_check, with_revision
+from feeler.workbench.document.revising import with_check, with_older, with_revision
 
 _SOURCES = 1000
 
@@ -81,7 +81,8 @@ def of_book(
         None if is_numbered else _numbering(revision, book.path),
         names,
     )
-    document = with_revision(kept.document, revision, parts)
+    document = with_older(kept.document, rows, known, _numbering(revision, book.path), parts)
+    document = with_revision(document, revision, parts)
     document = with_check(document, checked_contents(rows), revision.parts)
     answers = {}
     said = list(notes)

@@ -26,7 +26,7 @@ from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
 from feeler.workbench.document import keeping
 from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts
-from feeler.workbench.document.revising import with_check, with_revision
+from feeler.workbench.document.revising import with_check, with_older, with_revision
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.record import digest
 
@@ -105,7 +105,8 @@ class Saver:
                 None if revision is None else _renumbering(revision),
                 names,
             )
-            document, aside = kept.document, kept.aside
+            number = _same if revision is None else _renumbering(revision)
+            document, aside = with_older(kept.document, rows, known, number, scene.mockup.parts), kept.aside
             if revision is not None:
                 document = with_revision(document, revision, scene.mockup.parts)
             document = with_check(document, checked_contents(rows), known if revision is None else revision.parts)
@@ -326,6 +327,10 @@ def _with_tool(document: Document, opened: Document, hands: Hands, is_chosen: bo
     if name not in hands.names:
         return replace(document, tool=opened.tool)
     return replace(document, tool=ToolFacts(name, hands.tool(name).triangle_count))
+
+
+def _same(part: int) -> int:
+    return part
 
 
 def _renumbering(revision: Revision) -> Callable[[int], int | None]:
