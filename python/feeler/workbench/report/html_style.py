@@ -26,7 +26,8 @@ h3 { font-size: 17px; margin: 28px 0 10px; } h4 { font-size: 15px; margin: 0 0 4
 p { margin: 0 0 10px; } a { color: var(--link); }
 a:focus-visible, button:focus-visible, input:focus-visible { outline: 3px solid var(--link); outline-offset: 2px; }
 nav { display: flex; flex-wrap: wrap; gap: 4px 18px; margin: 18px 0 0; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(190px, 100%), 1fr)); gap: 12px; margin: 22px 0 0; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(190px, 100%), 1fr)); gap: 12px;
+  margin: 22px 0 0; }
 .tile { border: 1px solid var(--line); border-radius: 8px; padding: 12px 16px; background: var(--card); color: inherit;
   text-decoration: none; display: block; }
 .tile b { display: block; font-size: 26px; line-height: 1.2; } .tile span { color: var(--soft); }
