@@ -10,6 +10,7 @@ from test_project_workbench import WAIT_S, opened, saved
 from workbench_scene import stand
 
 import feeler
+from feeler.cli.projects import open_named
 
 
 def test_statuses_have_a_history_and_keep_their_notes(tmp_path: Path) -> None:
@@ -168,4 +169,12 @@ def test_findings_without_ids_of_a_check_are_kept_too(tmp_path: Path) -> None:
         assert project.clashes() is None and len(project.findings()) == 4
 
 
-# ---- revisions ----
+def test_a_check_of_an_open_project_offers_only_what_it_has(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    with pytest.raises(feeler.ProjectError) as told:
+        open_named(path, can_read_only=False)
+    assert str(told.value).endswith("close it there")
+    with pytest.raises(feeler.ProjectError, match="open it read-only with --read-only"):
+        open_named(path)
+    session.close()

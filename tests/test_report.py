@@ -537,3 +537,8 @@ def test_damaged_values_are_told_or_shown(
     except FeelerError:
         return
     assert page.count("<script") == 1 and "onclick=alert(1)>" not in page
+
+
+def test_columns_of_a_page_are_never_wider_than_a_narrow_screen(there: Path) -> None:
+    page = as_html.html_page(report_of(source_of(there), WHEN), Media()).decode()
+    assert "minmax(min(" in page and not re.findall(r"minmax\([1-9]\d*px", page)

@@ -331,6 +331,8 @@ def test_questions_wait_are_cancelled_and_asked_again(monkeypatch: pytest.Monkey
     bench.command("card_cancel", id=second)
     bench.command("card_cancel", id=first)
     assert card_of(bench, first).state == card_of(bench, second).state == "cancelled"
+    with pytest.raises(WorkbenchError, match="is cancelled already"):
+        bench.command("card_cancel", id=second)
     begun.clear()
     bench.command("card_again", id=first)
     assert begun.wait(LONGEST_S)
@@ -569,3 +571,20 @@ def test_a_whole_group_is_called_by_its_name() -> None:
     number = int(bench.command("ask", question="task", parts=[0, 1, 2], tools=[])["id"])
     assert card_of(bench, number).title == "How is pump taken out?"
     bench.session.close()
+
+
+def test_a_part_outside_of_all_others_has_a_way_to_take() -> None:
+    sides = [
+        ((0.0, 0.0, 0.0), (0.1, 0.1, 0.01)),
+        ((0.0, 0.0, 0.01), (0.01, 0.1, 0.1)),
+        ((0.02, 0.02, 0.02), (0.08, 0.08, 0.08)),
+        ((0.0, 0.0, 0.101), (0.1, 0.1, 0.12)),
+    ]
+    bench = Bench(None, mockup=boxes(*sides, names=["floor", "wall", "block", "lid"]))
+    card, answer = asked(bench, "removal", parts=["lid"])
+    assert card.sentence == "lid lies outside of all other parts already, and moves away along +z."
+    (way,) = answer["ways"]
+    assert way["length"] == pytest.approx(0.05) and way["poses"][-1][11] == pytest.approx(0.05)
+    bench.command("way_take", id=card.id)
+    assert bench.document["out"] == [3] and [line["name"] for line in bench.document["sequence"]] == ["lid"]
+    assert bench.document["moved"]["3"][11] == pytest.approx(0.05)

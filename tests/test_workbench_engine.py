@@ -578,6 +578,24 @@ def test_a_sequence_line_is_replayed_from_home_to_where_it_went() -> None:
         bench.tick()
     assert bench.document["gripped"] == [] and bench.document["sequence"] == lines
     np.testing.assert_allclose(bench.document["moved"][str(PEG)], moved[str(PEG)], atol=1e-6)
+    bench.command("undo")
+    assert bench.document["gripped"] == [] and bench.document["moved"] == {}, "one step, as it was one command"
+    bench.command("redo")
+    np.testing.assert_allclose(bench.document["moved"][str(PEG)], moved[str(PEG)], atol=1e-6)
+
+
+def test_what_was_done_during_a_replay_is_undone_alone() -> None:
+    bench = Bench(None)
+    bench.command("grip", parts=[PEG])
+    bench.drag(at(0.0, 0.28, 0.3), 1.0)
+    bench.command("release")
+    bench.command("sequence_replay", id=bench.document["sequence"][0]["id"])
+    bench.command("hide", parts=[LEFT])
+    for _ in range(600):
+        bench.tick()
+    assert bench.document["gripped"] == []
+    bench.command("undo")
+    assert bench.document["hidden"] == [LEFT] and bench.document["gripped"] == [PEG]
 
 
 def test_parts_of_a_mockup_in_any_order_with_defects_are_found() -> None:

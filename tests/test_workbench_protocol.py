@@ -449,7 +449,7 @@ def test_a_frame_with_a_few_bytes_changed_is_a_message_or_an_error(at: int, chan
 FINDINGS: dict[str, Any] = {
     **{"version": "00ff", "count": 2, "counts": {"clash": 2}, "hidden": {"fits": 3}, "status": {"c1": "active"}},
     **{"notes": {"c1": "by design"}, "own_groups": [{"id": 1, "name": "mine"}], "members": {"c1": 1}},
-    **{"is_touching_hidden": True, "check": None},
+    **{"is_touching_hidden": True, "check": None, "stale": {"3": {"change": "moved"}}},
 }
 
 

@@ -91,7 +91,7 @@ test("a face of a section box moves alone, and never past the opposite one", () 
 });
 
 const line = (id: number, parts: number[], ...xs: number[]): SequenceLine => ({
-  ...{ id, name: "", parts, least_clearance: null, touched: [], tool: null, joint: null },
+  ...{ id, name: "", parts, least_clearance: null, touched: [], tool: null, joint: null, stale: {} },
   way: xs.map((x) => translation([x, 0, 0])),
 });
 

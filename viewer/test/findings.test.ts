@@ -15,6 +15,7 @@ import {
   type ShownFindings,
   sentence,
   shownFindings,
+  wayText,
 } from "../src/model/findings";
 
 interface Given {
@@ -77,6 +78,7 @@ const FACTS: Findings = {
   members: {},
   is_touching_hidden: true,
   check: null,
+  stale: {},
 };
 const LIST = listOf(
   {
@@ -204,4 +206,13 @@ test("a hundred thousand findings are filtered and sorted", () => {
   const found = shownFindings(list, facts, { ...ALL, query: "group 7" }, new Set());
   assert.ok(found.rows.length > 10_000 && found.groups.length > 100);
   assert.ok(list.count > found.rows.length);
+});
+
+test("a way out is as sure as the depth is", () => {
+  const given = { depth: 0.01, translation: [0, 0, 0.01] as [number, number, number] };
+  const said = (more: Given): string => wayText(listOf({ f: { ...given, ...more } }).finding(0), "mm");
+  assert.equal(said({ kind: 1 }), "out by 10 mm", "as the sentence: is 10 mm deep");
+  assert.equal(said({ kind: 3 }), "out by at most 10 mm");
+  assert.equal(said({ kind: 2 }), "out by at most 10 mm");
+  assert.equal(said({ kind: 1, translation: [0, 0, 0.012] }), "out by at most 12 mm", "a shorter one may exist");
 });

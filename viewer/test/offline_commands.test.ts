@@ -27,6 +27,7 @@ const DOCUMENT = {
     members: {},
     is_touching_hidden: true,
     check: null,
+    stale: {},
   },
 } as unknown as Document;
 

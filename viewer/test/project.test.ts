@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { isStale, savingText, staleText } from "../src/actions/project";
 import type { ProjectFacts } from "../src/link/protocol";
+import { revisionText, sinceText } from "../src/model/stale";
 
 const FACTS: ProjectFacts = { name: "a.feelproj", state: "saved", trouble: null, stale: {}, gone: [], aside: 0 };
 
@@ -18,4 +19,17 @@ test("what a revision changed is counted by kind", () => {
   assert.equal(isStale({ ...FACTS, gone: ["a"] }), true);
   const stale = { 1: "moved", 2: "changed", 7: "changed", 9: "new" } as const;
   assert.equal(staleText({ ...FACTS, stale, gone: ["a/b"] }), "2 changed, 1 moved, 1 new, 1 gone");
+});
+
+test("a result names the parts that differ since", () => {
+  const nameOf = (part: number): string => ["pump", "lid", "bolt", "gear", "shaft"][part] ?? "";
+  const [moved, changed, added] = [{ change: "moved" }, { change: "changed" }, { change: "new" }] as const;
+  assert.equal(revisionText({}, nameOf), "");
+  assert.equal(revisionText({ 0: moved }, nameOf), "of an earlier revision: pump moved since");
+  assert.equal(
+    sinceText({ 0: moved, 1: changed, 2: added, 4: moved }, nameOf),
+    "pump moved, lid changed, bolt is new and 1 more",
+  );
+  assert.equal(sinceText({ 0: moved, 1: changed }, nameOf, [3, 1, null]), "lid changed");
+  assert.equal(sinceText({ 0: moved }, nameOf, [2]), "");
 });

@@ -163,7 +163,7 @@ def clash(
     book: Book | None = None
     work = Work(files_of(mockup), None, None, unit, up, without, only)
     if named is not None:
-        book = open_named(named)
+        book = open_named(named, can_read_only=False)
         context.call_on_close(book.close)
         work = work if work.sources else work_of(book, work)
         outputs.check_targets(targets, _ENDINGS, work.sources)
@@ -178,6 +178,7 @@ def clash(
         world = read_checked(mockup, work.unit, work.up, chord_tolerance)
         if book is not None:
             take_mockup(book, world, work)
+            before = book.clashes()
         if before is not None:
             check_previous(world, before)
         scene = indexed(world, without, only, threads)

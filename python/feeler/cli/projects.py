@@ -64,14 +64,19 @@ def _is_project(source: str) -> bool:
     return not source.startswith(_SAMPLE) and Path(source).suffix.lower() == _SUFFIX
 
 
-def open_named(path: Path, read_only: bool = False) -> Book:
-    """Opens the project, or makes it. Raises its errors, with the options to use."""
+def open_named(path: Path, read_only: bool = False, *, can_read_only: bool = True) -> Book:
+    """Opens the project, or makes it. Raises its errors, with the options to use.
+
+    can_read_only: whether the command has --read-only.
+    """
     from feeler.project.book import open_or_make
 
     try:
         return open_or_make(path, read_only=read_only)
     except ProjectError as error:
-        raise ProjectError(str(error).replace("(--read-only, read_only=True)", "with --read-only")) from None
+        offer = ", or open it read-only"
+        said = str(error).replace(" (--read-only, read_only=True)", " with --read-only")
+        raise ProjectError(said if can_read_only else said.partition(offer)[0]) from None
 
 
 def work_of(project: Book, given: Work) -> Work:
@@ -147,12 +152,16 @@ def _names_same(known: Any, places: list[list[str]]) -> bool:
 
 def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
     """Makes a new project one of a mock-up. Raises `LoadError` for a project of another one."""
-    from feeler.project.book import dumps
+    from feeler.project.book import CHECK, dumps
     from feeler.project.parts import contents_of, rows_of
+    from feeler.project.renaming import Names, renaming_changes
     from feeler.project.store import put
 
     if project.parts():
-        project.revision(mockup)
+        revision = project.revision(mockup)
+        if project.fact(CHECK) is None:
+            # Findings of the workbench, without the shapes that a check compares: the project knows its parts.
+            project.write(renaming_changes(project, Names.of(revision)))
     else:
         project.write(rows_of(contents_of(mockup)))
     known = project.fact("opened")

@@ -156,7 +156,7 @@ class Book:
         value = None if row is None else self.value(row, "document")
         if row is not None and isinstance(value, dict):
             facts = {name: head[name] for name in _FACTS}
-            yield put("document", row.id, row.place, dumps({**value, "table": facts, "check": None}))
+            yield put("document", row.id, row.place, dumps({**value, "table": facts, "check": None, "stale": {}}))
 
     # ---- the mock-up ----
 
@@ -204,10 +204,10 @@ class Book:
         """Makes these the findings, each with an id."""
         return self.list_changes("findings", {str(place): dumps(row) for place, row in enumerate(rows)})
 
-    def marks(self) -> dict[str, dict[str, Any]]:
-        """What people said of findings: by id, with the `status`, and others."""
+    def marks(self, rows: Iterable[Row] | None = None) -> dict[str, dict[str, Any]]:
+        """What people said of findings: by id, with the `status`, and others. rows: these instead of the file's."""
         found = {}
-        for row in self._store.rows("marks"):
+        for row in self._store.rows("marks") if rows is None else rows:
             value = self.value(row, "marks")
             if not isinstance(value, dict) or not isinstance(key := value.pop("id", None), str):
                 raise LoadError(f"{self.path} is damaged: a status is not as written; use a copy")

@@ -102,13 +102,16 @@ class Revision:
     """A mock-up beside the parts that a project knows.
 
     parts: of the mock-up, in its order. gone: missing parts, of earlier revisions too. row_of: for each part
-    that the project knew, its number now; None if it is gone. renamed: the key now by the key before.
+    that the project knew, its number now; None if it is gone. renamed: the key now by the key before. differs: by
+    number, the parts that differ from the mock-up that was opened last: how, and their content then, empty for new
+    ones.
     """
 
     parts: tuple[PartContent, ...]
     gone: tuple[PartContent, ...]
     row_of: tuple[int | None, ...]
     renamed: Mapping[str, str]
+    differs: Mapping[int, tuple[Change, str]] = field(default_factory=dict)
 
     @property
     def is_same(self) -> bool:
@@ -184,7 +187,7 @@ def revised(before: Sequence[PartContent], gone: Sequence[PartContent], now: Seq
             taken.add(new)
             renamed[part.key] = now[new].key
     # A root or a sub-assembly with another name: its changed parts are known by the rest of their paths.
-    for old_folder, new_folder in _renamed_folders(renamed):
+    for old_folder, new_folder in renamed_folders(renamed):
         for old, part in enumerate(before):
             if row_of[old] is not None or not part.key.startswith(old_folder):
                 continue
@@ -205,10 +208,24 @@ def revised(before: Sequence[PartContent], gone: Sequence[PartContent], now: Seq
         row = row_of_key.get(key)
         if row is not None:  # it is back
             parts[row] = _followed(missing.pop(key), now[row])
-    return Revision(tuple(parts), tuple(missing.values()), tuple(row_of), renamed)
+    return Revision(tuple(parts), tuple(missing.values()), tuple(row_of), renamed, _differing(before, now, row_of))
 
 
-def _renamed_folders(renamed: Mapping[str, str]) -> list[tuple[str, str]]:
+def _differing(
+    before: Sequence[PartContent], now: Sequence[PartContent], row_of: Sequence[int | None]
+) -> dict[int, tuple[Change, str]]:
+    """See `Revision.differs`."""
+    found: dict[int, tuple[Change, str]] = {number: ("new", "") for number in range(len(now))}
+    for part, row in zip(before, row_of, strict=True):
+        if row is None:
+            continue
+        del found[row]
+        if now[row].content != part.content:
+            found[row] = ("moved" if now[row].is_moved(part) else "changed", part.content)
+    return dict(sorted(found.items()))
+
+
+def renamed_folders(renamed: Mapping[str, str]) -> list[tuple[str, str]]:
     """The folders that were renamed, by the parts in them, those with most parts first. With their last `/`."""
     counts: Counter[tuple[str, str]] = Counter()
     for old, new in renamed.items():

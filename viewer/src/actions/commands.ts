@@ -63,6 +63,7 @@ const canLook = (wb: Workbench): boolean => wb.store.can_look.value;
 const hasMockup = (wb: Workbench): boolean => wb.store.manifest.value !== null;
 const hasTargets = (wb: Workbench): boolean =>
   canLook(wb) && (wb.store.selection.value.size > 0 || wb.store.hover.value >= 0);
+const canAsk = (wb: Workbench): boolean => canChange(wb) && hasTargets(wb);
 const canGrip = (wb: Workbench): boolean => canChange(wb) && (hasTargets(wb) || isGripping(wb));
 const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.value;
 const canAskAccess = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.tool != null;
@@ -373,12 +374,12 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => wb.store.is_xr_there.value,
   ),
 
-  command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), hasTargets),
-  command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), hasTargets),
-  command("Ask", "ask-task", "How is it taken out, with which tools, in how long?", "", askTask, hasTargets),
+  command("Ask", "ask-removal", "Can it come out?", "Q", (wb) => ask(wb, "removal"), canAsk),
+  command("Ask", "ask-order", "What has to go first?", "Shift+Q", (wb) => ask(wb, "order"), canAsk),
+  command("Ask", "ask-task", "How is it taken out, with which tools, in how long?", "", askTask, canAsk),
   command("Ask", "ask-tools", "Which tool reaches its bolts?", "", askTools, canChange),
   command("Ask", "ask-access", "Does the tool reach its bolts?", "", (wb) => ask(wb, "access"), canAskAccess),
-  command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), hasTargets),
+  command("Ask", "ask-swept", "What room does it need to come out?", "", (wb) => ask(wb, "swept"), canAsk),
 
   ...AXES.map((name, k) =>
     typing(`axis-${name}`, `Along or about ${name}; again: other frame`, name, (wb) => chooseAxis(wb, k as 0 | 1 | 2)),

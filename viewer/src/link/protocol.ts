@@ -23,6 +23,11 @@ export interface Camera extends CameraPlace {
   readonly is_parallel?: boolean;
 }
 
+/** How a part differs from the one of the revision that a result was computed on. */
+export interface StalePart {
+  readonly change: "changed" | "moved" | "new";
+}
+
 /** Characters of a person's name. */
 export const MOST_NAME = 40;
 
@@ -148,6 +153,8 @@ export interface Findings {
   readonly is_touching_hidden: boolean;
   /** Null: the findings are of a file. */
   readonly check: Check | null;
+  /** By part id: parts that differ since, in another revision, also those without findings. */
+  readonly stale: Readonly<Record<string, StalePart>>;
 }
 
 /** How the next clash check is made. */
@@ -175,6 +182,8 @@ export interface RequirementVerdict {
   readonly moved: Readonly<Record<string, readonly number[]>>;
   readonly out: readonly number[];
   readonly gripped: readonly number[];
+  /** By part id: parts that it is about and that differ since, in another revision. */
+  readonly stale: Readonly<Record<string, StalePart>>;
 }
 
 /** The verdict of a requirement, by its id. */
@@ -826,6 +835,8 @@ export interface SequenceLine {
   readonly tool: string | null;
   /** Null: parts were moved freely. */
   readonly joint: JointStep | null;
+  /** By part id: parts of any kind that differ since. Empty: it is of the present revision. */
+  readonly stale: Readonly<Record<string, StalePart>>;
 }
 
 /** A measure with its points. */
@@ -839,6 +850,8 @@ export interface Measure {
   readonly unit: "m" | "rad";
   /** Computed by the engine on the triangles, not from the picture. */
   readonly is_exact: boolean;
+  /** By part id: its parts that differ since. */
+  readonly stale: Readonly<Record<string, StalePart>>;
 }
 
 /** A stored camera, and the sections of that moment. */

@@ -201,6 +201,9 @@ const lastStep = (path: string): string => path.split("/").at(-1) || "a part";
 /** The rule of pairs that no rule names says nothing. */
 const ruleText = (rule: string): string => (rule === "default" ? "" : rule);
 
+/** A depth is told as one figure if its error is less than this share of it. */
+const DEPTH_SHARE = 2e-3;
+
 /** "at most 2 mm", "about 2 mm", "2 mm to 3 mm": as sure as the depth is. */
 export function depthText(finding: Finding, unit: Unit): string {
   const { depth, depth_error, kind } = finding;
@@ -208,13 +211,17 @@ export function depthText(finding: Finding, unit: Unit): string {
   const least = formatLength(depth, unit);
   if (kind === "bound") return `at most ${least}`;
   const most = depth_error === null ? least : formatLength(depth + depth_error, unit);
-  const range = most !== least && (depth_error ?? 0) > 2e-3 * depth ? `${least} to ${most}` : least;
+  const range = most !== least && (depth_error ?? 0) > DEPTH_SHARE * depth ? `${least} to ${most}` : least;
   return kind === "estimate" ? `about ${range}` : range;
 }
 
-/** "out by at most 3 mm": a shorter way may exist. */
-export function wayText({ translation }: Finding, unit: Unit): string {
-  return translation ? `out by at most ${formatLength(Math.hypot(...translation), unit)}` : "";
+/** "out by 3 mm" where that is the depth itself, else "out by at most 3 mm": a shorter way may exist. */
+export function wayText({ translation, depth, kind }: Finding, unit: Unit): string {
+  if (!translation) return "";
+  const long = Math.hypot(...translation);
+  const is_shortest =
+    depth !== null && kind !== "bound" && kind !== "estimate" && Math.abs(long - depth) <= DEPTH_SHARE * depth;
+  return `out by ${is_shortest ? "" : "at most "}${formatLength(long, unit)}`;
 }
 
 /** How the first part lies to the second: "is 2 mm deep in", "touches". */

@@ -25,7 +25,16 @@ const withSection = (document: Document, id: number, change: (section: Section) 
 function withMeasure(document: Document, points: readonly [Vec3, Vec3]): Document {
   const id = 1 + Math.max(0, ...document.measures.map((each) => each.id));
   const value = distance(...points);
-  const measure = { id, name: `point ${id}`, type: "point", points, value, unit: "m", is_exact: false } as const;
+  const measure = {
+    id,
+    name: `point ${id}`,
+    type: "point",
+    points,
+    value,
+    unit: "m",
+    is_exact: false,
+    stale: {},
+  } as const;
   return { ...document, measures: [...document.measures, measure] };
 }
 

@@ -1,5 +1,6 @@
 // Questions about parts, and their answers: cards that stay.
 
+import { useState } from "preact/hooks";
 import { ask, askAgain, openCard, removeCard, showPart } from "../actions/cards";
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { formatShare } from "../math/units";
@@ -19,7 +20,7 @@ export const QUESTIONS: Readonly<Record<Exclude<CardQuestion, "task">, string>> 
   swept: "What room does it need?",
 };
 
-/** So many blockers are named; the others are rarely to blame. */
+/** So many blockers are named at first; the others are rarely to blame. */
 const MOST_BLOCKERS = 5;
 
 export function AskPanel() {
@@ -165,37 +166,48 @@ function Answer({ card, answer }: { card: Card; answer: CardAnswer }) {
 function Blockers({ card, answer }: { card: Card; answer: CardAnswer }) {
   const wb = useWorkbench();
   const { store } = wb;
+  const [is_whole, setWhole] = useState(false);
+  const more = is_whole ? 0 : answer.blockers.length - MOST_BLOCKERS;
   if (answer.blockers.length === 0) return null;
   return (
     <ul class="blockers" aria-label="What stops it">
-      {answer.blockers.slice(0, MOST_BLOCKERS).map(({ part, attempts, is_proof }) => (
-        <li key={part}>
-          <button type="button" class="link" title={wb.path(part)} onClick={() => showPart(wb, part)}>
-            {store.nameOf(part)}
+      {answer.blockers
+        .slice(0, is_whole ? answer.blockers.length : MOST_BLOCKERS)
+        .map(({ part, attempts, is_proof }) => (
+          <li key={part}>
+            <button type="button" class="link" title={wb.path(part)} onClick={() => showPart(wb, part)}>
+              {store.nameOf(part)}
+            </button>
+            <span class="note">
+              {is_proof ? "holds it: proven" : `stopped ${attempts} ${attempts === 1 ? "attempt" : "attempts"}`}
+            </span>
+            <span class="button-row">
+              <button
+                type="button"
+                class="button small"
+                disabled={store.is_read_only.value}
+                onClick={() => ask(wb, "removal", [part])}
+              >
+                Take it out first
+              </button>
+              <button
+                type="button"
+                class="button small"
+                disabled={store.is_read_only.value}
+                onClick={() => ask(wb, card.question as CardQuestion, card.parts, [...card.without, part])}
+              >
+                Try without
+              </button>
+            </span>
+          </li>
+        ))}
+      {more > 0 && (
+        <li>
+          <button type="button" class="link" onClick={() => setWhole(true)}>
+            {`and ${more} more`}
           </button>
-          <span class="note">
-            {is_proof ? "holds it: proven" : `stopped ${attempts} ${attempts === 1 ? "attempt" : "attempts"}`}
-          </span>
-          <span class="button-row">
-            <button
-              type="button"
-              class="button small"
-              disabled={store.is_read_only.value}
-              onClick={() => ask(wb, "removal", [part])}
-            >
-              Take it out first
-            </button>
-            <button
-              type="button"
-              class="button small"
-              disabled={store.is_read_only.value}
-              onClick={() => ask(wb, card.question as CardQuestion, card.parts, [...card.without, part])}
-            >
-              Try without
-            </button>
-          </span>
         </li>
-      ))}
+      )}
     </ul>
   );
 }

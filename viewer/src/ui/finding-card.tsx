@@ -14,6 +14,7 @@ import {
 import type { FindingStatus } from "../link/protocol";
 import { formatCount } from "../math/units";
 import { factsText, noteOf, STATUSES, sentence, statusOf } from "../model/findings";
+import { revisionText } from "../model/stale";
 import { useWorkbench } from "./context";
 
 export function FindingCard() {
@@ -27,6 +28,8 @@ export function FindingCard() {
   const [first = -1] = chosen;
   const row = chosen.size === 1 ? first : -1;
   const finding = row >= 0 ? list.finding(row) : null;
+  const sides = finding ? [finding.part_a, finding.part_b] : [];
+  const earlier = revisionText(facts.stale, (part) => store.nameOf(part), sides);
   const is_seen = finding !== null && findings.focus.value?.finding.id === finding.id;
   const is_ignoring = finding !== null && findings.ignoring.value !== null;
   const statuses = new Set([...chosen].map((each) => statusOf(list, facts, each)));
@@ -37,6 +40,11 @@ export function FindingCard() {
         <>
           <p class="finding-said">{`${sentence(finding, store.unit.value)}.`}</p>
           <p class="note">{factsText(finding)}</p>
+          {earlier && (
+            <p class="note">
+              <strong class="stale">{earlier}</strong>
+            </p>
+          )}
           <p class="note path">
             <span class="swatch a" aria-hidden="true" /> <bdi>{finding.path_a}</bdi>
           </p>

@@ -4,6 +4,7 @@ import { useSignalEffect } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
 import { formatCount } from "../math/units";
 import { factsText, lineOf, middleCut, nameA, nameB, relation, sentence, statusOf } from "../model/findings";
+import { revisionText } from "../model/stale";
 import { useWorkbench } from "./context";
 import { NameField } from "./fields";
 import { Icon } from "./icons";
@@ -166,6 +167,7 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
   const status = statusOf(list, facts, row);
   const is_current = findings.row.value === row;
   const whole = sentence(finding, unit);
+  const earlier = revisionText(facts.stale, (part) => store.nameOf(part), [finding.part_a, finding.part_b]);
   const classes = ["finding", `status-${status}`, is_current ? "current" : "", `severity-${finding.severity}`];
   return (
     // biome-ignore lint/a11y/useKeyWithClickEvents: the list takes the keys of all its rows
@@ -176,8 +178,8 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
       aria-level={2}
       aria-selected={findings.chosen.value.has(row)}
       aria-current={is_current}
-      aria-label={`${whole}, ${status}`}
-      title={`${finding.path_a}\n${finding.path_b}`}
+      aria-label={`${whole}, ${status}${earlier && `, ${earlier}`}`}
+      title={`${finding.path_a}\n${finding.path_b}${earlier && `\n${earlier}`}`}
       style={placeOf(line)}
       onClick={choose}
     >
@@ -194,6 +196,7 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
       <span class="finding-line">
         <span class="note">{factsText(finding)}</span>
         {status !== "new" && <span class="tag">{status}</span>}
+        {earlier && <strong class="stale">earlier revision</strong>}
       </span>
     </div>
   );

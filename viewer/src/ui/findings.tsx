@@ -5,6 +5,7 @@ import { exportFindings, FORMATS } from "../actions/findings";
 import type { FindingFormat } from "../link/protocol";
 import { formatCount } from "../math/units";
 import { type FindingOrder, type Grouping, STATUSES, statusOf } from "../model/findings";
+import { sinceText } from "../model/stale";
 import type { Store } from "../model/store";
 import { useWorkbench } from "./context";
 import { CommandButton } from "./fields";
@@ -65,6 +66,7 @@ function Head() {
   const { store } = useWorkbench();
   const { facts, is_stale } = store.findings;
   const check = facts.value?.check;
+  const earlier = sinceText(facts.value?.stale ?? {}, (part) => store.nameOf(part));
   return (
     <section>
       <div class="select-row">
@@ -77,6 +79,11 @@ function Head() {
         <ExportChoice />
         <CommandButton id="close-findings" icon="close" />
       </div>
+      {earlier && (
+        <p class="hint-bar" role="status">
+          <strong class="stale">{`Of an earlier revision: ${earlier} since this check.`}</strong>
+        </p>
+      )}
       {is_stale.value && (
         <p class="hint-bar" role="status">
           Parts lie elsewhere since this check.

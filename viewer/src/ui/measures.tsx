@@ -4,6 +4,7 @@ import { lookFrom } from "../actions/exports";
 import { MEASURE_TITLES, PICKS, startMeasuring, stopMeasuring } from "../actions/measures";
 import type { Measure, MeasureType } from "../link/protocol";
 import { UNITS } from "../math/units";
+import { revisionText } from "../model/stale";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, IconButton, NameField } from "./fields";
 import { Icon } from "./icons";
@@ -95,6 +96,7 @@ function MeasureCard({ measure }: { measure: Measure }) {
   const wb = useWorkbench();
   const { store } = wb;
   const isLocked = !store.can_look.value;
+  const earlier = revisionText(measure.stale, (part) => store.nameOf(part));
   return (
     <li class="line">
       <NameField
@@ -107,6 +109,11 @@ function MeasureCard({ measure }: { measure: Measure }) {
         class="value"
         title={measure.is_exact ? "Exact: computed by the engine on the triangles" : "Read from the picture"}
       >
+        {earlier && (
+          <strong class="stale" title={earlier}>
+            earlier revision{" "}
+          </strong>
+        )}
         {measure.is_exact ? "" : "≈ "}
         {measureText(measure, store.unit.value)}
       </output>

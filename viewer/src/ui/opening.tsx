@@ -35,8 +35,8 @@ export function OpenDialog() {
     return (
       <Dialog title="Open in place of the present mock-up?" kind="opening">
         <p>
-          What was done on <Name text={name ?? "it"} /> ends: removals, measures, viewpoints and findings. Export first
-          what is to stay.
+          What was done on <Name text={name ?? "it"} /> ends: removals, answers, measures, requirements, viewpoints and
+          findings. Export first what is to stay.
         </p>
         <ul class="file-list">
           {files.slice(0, 8).map((file) => (

@@ -9,6 +9,7 @@ import {
 } from "../actions/requirements";
 import type { KeptClear } from "../link/protocol";
 import { formatLength } from "../math/units";
+import { sinceText } from "../model/stale";
 import { useWorkbench } from "./context";
 import { Figure, IconButton, NameField } from "./fields";
 import { counted } from "./words";
@@ -19,8 +20,13 @@ export function Requirements() {
   const { are_requirements_open } = store.findings;
   const requirements = store.document.value?.requirements ?? [];
   const is_locked = store.is_read_only.value;
-  const wrong = requirements.filter(({ verdict }) => verdict?.status === "violated").length;
-  const counts = wrong > 0 ? ` (${wrong} violated)` : requirements.length > 0 ? ` (${requirements.length})` : "";
+  const stale = requirements.filter(({ verdict }) => verdict && Object.keys(verdict.stale).length > 0).length;
+  const wrong = requirements.filter(
+    ({ verdict }) => verdict?.status === "violated" && Object.keys(verdict.stale).length === 0,
+  ).length;
+  const words = [wrong > 0 ? `${wrong} violated` : "", stale > 0 ? `${stale} of an earlier revision` : ""];
+  const told = words.filter(Boolean).join(", ");
+  const counts = told ? ` (${told})` : requirements.length > 0 ? ` (${requirements.length})` : "";
   return (
     <details
       class="check-settings"
@@ -112,12 +118,17 @@ function RequirementCard({ requirement }: { requirement: KeptClear }) {
   );
 }
 
-/** "holds", "violated: 3 mm, and 4 pairs more", "moved since: check again". */
+const PAST = { holds: "held", violated: "was violated", unknown: "was not known" } as const;
+
+/** "holds", "violated: 3 mm, and 4 pairs more", "held; parts were moved since". */
 function Said({ requirement }: { requirement: KeptClear }) {
   const wb = useWorkbench();
   const { verdict } = requirement;
   if (!verdict) return <span class="note">not checked</span>;
-  if (isStale(wb, requirement)) return <span class="note">{`was ${verdict.status}; parts moved since`}</span>;
+  const earlier = sinceText(verdict.stale, (part) => wb.store.nameOf(part));
+  if (earlier)
+    return <strong class="stale">{`${PAST[verdict.status]} in an earlier revision: ${earlier} since`}</strong>;
+  if (isStale(wb, requirement)) return <span class="note">{`${PAST[verdict.status]}; parts were moved since`}</span>;
   if (verdict.status === "unknown") return <span class="note">{verdict.trouble ?? "not known"}</span>;
   if (verdict.status === "holds") return <span class="tag">holds</span>;
   const unit = wb.store.unit.value;

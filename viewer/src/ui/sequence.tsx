@@ -5,6 +5,7 @@ import { EXPORTS, type Export } from "../actions/exports";
 import { askOfLine } from "../actions/lines";
 import type { SequenceLine } from "../link/protocol";
 import { formatLength } from "../math/units";
+import { revisionText } from "../model/stale";
 import { CardItem } from "./cards";
 import { useWorkbench } from "./context";
 import { CommandButton, IconButton, NameField } from "./fields";
@@ -89,6 +90,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
     line.least_clearance === null
       ? "nothing near"
       : `${formatLength(line.least_clearance, store.unit.value)} least clearance`;
+  const earlier = revisionText(line.stale, (part) => store.nameOf(part));
   return (
     <li class={`card ${isReplaying ? "playing" : ""}`}>
       <header>
@@ -134,6 +136,11 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
           </span>
         )}
       </p>
+      {earlier && (
+        <p class="note">
+          <strong class="stale">{earlier}</strong>
+        </p>
+      )}
       {line.touched.length > 0 && (
         <p class="note touched">
           <span class="swatch hit" aria-hidden="true" />

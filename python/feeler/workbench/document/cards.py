@@ -157,7 +157,8 @@ def card_cancel(document: Document, given: Arguments, _known: Known) -> Document
     at = given.place_of(document.cards)
     card = document.cards[at]
     if card.state not in ("waiting", "running"):
-        raise given.fail("id", "this question is answered", "remove the card instead")
+        was = "cancelled" if card.state == "cancelled" else "answered"
+        raise given.fail("id", f"this question is {was} already", "remove the card instead")
     cancelled = replace(card, state="cancelled", sentence="Cancelled.", share=0.0, stage="")
     return replace(document, cards=replaced(document.cards, at, cancelled))
 

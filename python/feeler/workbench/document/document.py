@@ -130,6 +130,19 @@ def active_planes(document: Document) -> list[tuple[Point, float]]:
 
 
 @dataclass(frozen=True)
+class Since:
+    """How a part differs from the one that a result was computed on. change: "changed", "moved" or "new"; content: a
+    hash of the part then, empty for a new one."""
+
+    change: str
+    content: str
+
+
+UP_TO_DATE: Mapping[int, Since] = MappingProxyType({})
+"""Of a result: no part of it differs. Parts are those of an earlier revision of the mock-up otherwise."""
+
+
+@dataclass(frozen=True)
 class Removal:
     """A line of the sequence: parts that were moved.
 
@@ -137,7 +150,7 @@ class Removal:
     where they were gripped. starts: these places, for parts that were not at home. least_clearance: of the moved parts,
     on the way, to all parts without seats, metres; None if no part came within reach. touched: paths of the parts that
     they touched or that stopped them. out: those of its parts that it took out of the mock-up. joint: the move of a
-    joint that it is; None: parts were moved freely.
+    joint that it is; None: parts were moved freely. stale: parts of any kind that differ since.
     """
 
     id: int
@@ -150,6 +163,7 @@ class Removal:
     starts: tuple[tuple[int, Row], ...] = ()
     out: tuple[int, ...] = ()
     joint: JointStep | None = None
+    stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
 
     @cached_property
     def before(self) -> Mapping[int, Row]:
@@ -171,7 +185,8 @@ class Removal:
 
 @dataclass(frozen=True)
 class Measure:
-    """A measure. value: metres or radians, as in `unit`; is_exact: computed by the engine on the triangles."""
+    """A measure. value: metres or radians, as in `unit`; is_exact: computed by the engine on the triangles. stale: its
+    parts that differ since."""
 
     id: int
     name: str
@@ -181,6 +196,7 @@ class Measure:
     unit: str
     is_exact: bool
     parts: tuple[int, ...] = ()
+    stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
 
 
 @dataclass(frozen=True)
@@ -235,7 +251,8 @@ class Findings:
 
     table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. own_groups:
     made by hand, and `members` the group of a finding by its id. check: None for findings of a file. aside: the marks
-    of findings that an exclusion hides, for when it is gone; pages do not see them.
+    of findings that an exclusion hides, for when it is gone; pages do not see them. stale: parts that differ since,
+    also those without findings.
     """
 
     table: FindingTable
@@ -246,6 +263,7 @@ class Findings:
     is_touching_hidden: bool = True
     check: Check | None = None
     aside: Mapping[str, Mark] = field(default_factory=lambda: MappingProxyType({}))
+    stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
 
     def mark_of(self, name: str) -> Mark:
         """The mark of a finding, in the table or aside."""
@@ -269,7 +287,7 @@ class Verdict:
     """What a requirement was when it was checked last; lengths in metres. of: where parts lay, as in `Check`.
 
     status: "holds", "violated", or "unknown" with the reason in `trouble`. pairs: how many pairs of parts violate it;
-    the others are of the worst of them.
+    the others are of the worst of them. stale: parts that it is about and that differ since.
     """
 
     status: str
@@ -282,6 +300,7 @@ class Verdict:
     moved: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
     out: tuple[int, ...] = ()
     gripped: tuple[int, ...] = ()
+    stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
 
 
 @dataclass(frozen=True)
@@ -505,6 +524,7 @@ _KEPT_BACK_OF = {
     TaskCatalogue: {"toml"},
     JointRange: {"key"},
     JointStep: {"start"},
+    Since: {"content"},
 }
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 
@@ -561,11 +581,6 @@ def is_stale(document: Document, card: Card) -> bool:
         return card.world != document.world
     at = next((at for at, line in enumerate(document.sequence) if line.id == card.line), None)
     return at is None or card.way != document.sequence[at].way_key or card.world != line_world(document, at)
-
-
-def with_revision(document: Document) -> Document:
-    """The document for another revision of its mock-up: the answers of its cards are about the one before."""
-    return replace(document, cards=tuple(replace(card, is_earlier=True) for card in document.cards))
 
 
 def patch(before: Document, after: Document) -> dict[str, Any]:

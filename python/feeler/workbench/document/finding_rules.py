@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.clashes import Exclusion, Rules
+from feeler.clashes import Exclusion, Rule, Rules
 from feeler.clashes.limits import both_sides
 from feeler.clashes.tracking import NEW
-from feeler.errors import OptionError
+from feeler.errors import FeelerError, OptionError
 from feeler.parts import Parts
 from feeler.workbench.document.document import Findings
 from feeler.workbench.document.finding_table import FindingTable
 
 _DIGITS = re.compile(r"\d+")
+_NAME = re.compile(r"\s*name\s*=")
 _SPECIAL = re.compile(r"([*?\[\]])")
 
 
@@ -39,6 +40,32 @@ def with_exclusion(rules: str, name: str, a: str, b: str) -> str:
     made = "\n".join([*([rules.rstrip("\n"), ""] if rules.strip() else []), *lines]) + "\n"
     Rules.parse(made)
     return made
+
+
+def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
+    """The text of rules with other patterns, and all else as it is; unchanged where that cannot be done."""
+    try:
+        before = Rules.parse(rules)
+    except FeelerError:
+        return rules
+    words = dict.fromkeys(word for rule in _all_of(before) for word in (*rule.a, *rule.b))
+    others = {each: now for each in words if (now := pattern(each)) != each}
+    lines = rules.splitlines(keepends=True)
+    for each, now in others.items():
+        for quoted in (_quoted(each), json.dumps(each), f"'{each}'"):
+            lines = [line if _NAME.match(line) else line.replace(quoted, _quoted(now)) for line in lines]
+    made = "".join(lines)
+    try:
+        after = Rules.parse(made)
+    except FeelerError:
+        return rules
+    kept = [(rule.name, tuple(map(pattern, (*rule.a, *rule.b)))) for rule in _all_of(before)]
+    is_whole = kept == [(rule.name, (*rule.a, *rule.b)) for rule in _all_of(after)]
+    return made if is_whole else rules
+
+
+def _all_of(rules: Rules) -> list[Rule | Exclusion]:
+    return [*rules.rules, *rules.exclusions]
 
 
 def mask_of(table: FindingTable, parts: Parts, a: str, b: str) -> npt.NDArray[np.bool_]:

@@ -39,6 +39,11 @@ class History:
         """How many can be done again."""
         return len(self._redo)
 
+    @property
+    def last(self) -> str:
+        """The command that would be undone; empty without one."""
+        return self._undo_steps[-1].command if self._undo_steps else ""
+
     def is_empty(self, name: str) -> bool:
         """Whether there is nothing to "undo" or "redo"."""
         return not (self._undo if name == "undo" else self._redo)

@@ -23,6 +23,7 @@ from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
 from feeler.project.book import CHECK, dumps, row_id
 from feeler.project.layout import TABLES
+from feeler.project.renaming import Names
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import (
@@ -35,9 +36,12 @@ from feeler.workbench.document.document import (
     Findings,
     Isolation,
     KeptClear,
+    Since,
+    TaskEdits,
     Trip,
     Verdict,
 )
+from feeler.workbench.document.finding_rules import renamed_rules
 from feeler.workbench.document.finding_table import FindingTable, table_of
 from feeler.workbench.document.values import is_number
 
@@ -168,8 +172,8 @@ def marks_that_differ(old: Findings, new: Findings) -> dict[str, dict[str, Any] 
 
 
 def _is_by_id(found: object, name: str) -> bool:
-    origin: object = get_origin(_hints(type(found))[name])
-    return origin is Mapping
+    kind = _hints(type(found))[name]
+    return get_origin(kind) is Mapping and get_args(kind)[0] is str
 
 
 def encoded(value: Any) -> str:
@@ -211,11 +215,12 @@ def restored(
     loads: Callable[[str, str], Any],
     parts: Parts,
     renumber: Renumber | None = None,
+    names: Names | None = None,
 ) -> Kept:
     """The document of a project, on the fields of `base` that a project does not keep. Raises `LoadError`.
 
     rows: of a table. marks: of findings. loads: a value of a row, and its place for errors. renumber: for a mock-up
-    with other parts than the project's.
+    with other parts than the project's. names: how those are called now, in requirements, rules and edits.
     """
     values: dict[str, Any] = {}
     texts = {row.id: row.value for row in rows("document")}
@@ -230,6 +235,8 @@ def restored(
     aside: list[tuple[str, str]] = []
     if renumber is not None:
         values, aside = _renumbered(values, renumber)
+    if names is not None:
+        values = _renamed(values, names, parts)
     values = _without(values, frozenset(base.absent))
     rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
     if rest is not None or there:  # a clash check of the command line writes rows alone
@@ -262,6 +269,8 @@ def _findings(
     if renumber is not None and check is not None:
         of = None if check.of is None else _numbers(check.of, renumber)
         values["check"] = replace(check, of=of, **_places(check, renumber))
+    if renumber is not None and "stale" in values:
+        values["stale"] = _stale(values["stale"], renumber)
     return replace(made, **values)
 
 
@@ -363,8 +372,44 @@ def _requirement(each: KeptClear, renumber: Renumber) -> KeptClear:
     if verdict is None:
         return each
     parts = _numbers(verdict.parts, renumber)
-    is_whole = len(parts) == len(verdict.parts)
-    return replace(each, verdict=replace(verdict, parts=parts, **_places(verdict, renumber)) if is_whole else None)
+    if len(parts) < len(verdict.parts):
+        return replace(each, verdict=None)
+    stale = _stale(verdict.stale, renumber)
+    return replace(each, verdict=replace(verdict, parts=parts, stale=stale, **_places(verdict, renumber)))
+
+
+def _stale(stale: Mapping[int, Since], renumber: Renumber) -> Mapping[int, Since]:
+    return MappingProxyType({now: since for part, since in stale.items() if (now := renumber(part)) is not None})
+
+
+def _renamed(values: dict[str, Any], names: Names, parts: Parts) -> dict[str, Any]:
+    """The values with the paths and patterns of now."""
+
+    def edits(given: TaskEdits) -> TaskEdits:
+        return replace(
+            given,
+            off=tuple(map(names.key, given.off)),
+            times=tuple((names.key(path), seconds) for path, seconds in given.times),
+            before=tuple((names.key(first), names.key(then)) for first, then in given.before),
+        )
+
+    def pattern(given: str) -> str:
+        return names.pattern(given, parts)
+
+    found = dict(values)
+    if "requirements" in values:
+        asked = (replace(each, a=pattern(each.a), b=pattern(each.b)) for each in values["requirements"])
+        found["requirements"] = tuple(asked)
+    if "sequence" in values:
+        lines = (replace(line, touched=tuple(map(names.key, line.touched))) for line in values["sequence"])
+        found["sequence"] = tuple(lines)
+    if "clash" in values:
+        found["clash"] = replace(values["clash"], rules=renamed_rules(values["clash"].rules, pattern))
+    if _CARDS in values:
+        found[_CARDS] = tuple(replace(card, edits=edits(card.edits)) for card in values[_CARDS])
+    if "task_edits" in values:
+        found["task_edits"] = MappingProxyType({card: edits(each) for card, each in values["task_edits"].items()})
+    return found
 
 
 def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, Any], list[tuple[str, str]]]:
@@ -399,6 +444,7 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
             parts=in_order(line.parts),
             out=in_order(line.out),
             starts=tuple((now, row) for part, row in line.starts if (now := renumber(part)) is not None),
+            stale=_stale(line.stale, renumber),
         )
         if moved.parts:
             lines.append(moved)
@@ -407,7 +453,7 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
     found["sequence"] = tuple(lines)
     measures = []
     for measure in values.get("measures", ()):
-        moved = replace(measure, parts=in_order(measure.parts))
+        moved = replace(measure, parts=in_order(measure.parts), stale=_stale(measure.stale, renumber))
         if len(moved.parts) == len(measure.parts):
             measures.append(moved)
         else:
@@ -499,15 +545,17 @@ def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
         if not document.trip.way:
             raise _damaged("trip", "it has no pose")
     for line in document.sequence:
-        check.there([*line.parts, *line.out, *(part for part, _ in line.starts)], "sequence")
+        check.there([*line.parts, *line.out, *(part for part, _ in line.starts), *line.stale], "sequence")
         check.poses([*line.way, *(row for _, row in line.starts)], "sequence")
         if not line.way or not line.parts:
             raise _damaged("sequence", "a line without a way")
     for measure in document.measures:
-        check.there(measure.parts, "measures")
+        check.there([*measure.parts, *measure.stale], "measures")
     for each in document.requirements:
         if each.verdict is not None:
-            check.there(each.verdict.parts, "requirements")
+            check.there([*each.verdict.parts, *each.verdict.stale], "requirements")
+    if document.findings is not None:
+        check.there(document.findings.stale, "findings")
     for card in document.cards:
         check.there([*card.parts, *card.without, *(part for part, _ in card.world[0]), *card.world[1]], _CARDS)
         check.poses((row for _, row in card.world[0]), _CARDS)

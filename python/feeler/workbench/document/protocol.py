@@ -34,7 +34,7 @@ from feeler.workbench.document.protocol_findings import (
 from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
 from feeler.workbench.document.protocol_task import TaskCatalogue, TaskEditKind, TaskEdits, TaskTimes
-from feeler.workbench.document.protocol_values import Camera, CameraPlace, Vec3
+from feeler.workbench.document.protocol_values import Camera, CameraPlace, StalePart, Vec3
 
 __all__ = [
     "FROM_PAGE",
@@ -212,6 +212,8 @@ class SequenceLine(TypedDict):
     tool: str | None
     joint: JointStep | None
     """Null: parts were moved freely."""
+    stale: dict[str, StalePart]
+    """By part id: parts of any kind that differ since. Empty: it is of the present revision."""
 
 
 class Measure(TypedDict):
@@ -226,6 +228,8 @@ class Measure(TypedDict):
     unit: Literal["m", "rad"]
     is_exact: bool
     """Computed by the engine on the triangles, not from the picture."""
+    stale: dict[str, StalePart]
+    """By part id: its parts that differ since."""
 
 
 class Viewpoint(TypedDict):

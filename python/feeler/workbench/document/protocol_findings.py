@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.workbench.document.frames import Array
+from feeler.workbench.document.protocol_values import StalePart
 
 F4 = npt.NDArray[np.float32]
 U4 = npt.NDArray[np.uint32]
@@ -59,6 +60,8 @@ class Findings(TypedDict):
     is_touching_hidden: bool
     check: Check | None
     """Null: the findings are of a file."""
+    stale: dict[str, StalePart]
+    """By part id: parts that differ since, in another revision, also those without findings."""
 
 
 class ClashSettings(TypedDict):
@@ -88,6 +91,8 @@ class RequirementVerdict(TypedDict):
     """Where parts lay, as in `Check`."""
     out: list[int]
     gripped: list[int]
+    stale: dict[str, StalePart]
+    """By part id: parts that it is about and that differ since, in another revision."""
 
 
 class RequirementResult(TypedDict):

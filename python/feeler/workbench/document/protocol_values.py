@@ -1,8 +1,8 @@
-"""Points and cameras in messages: a part of `protocol.py`."""
+"""Points, cameras and stale parts in messages: a part of `protocol.py`."""
 
 from __future__ import annotations
 
-from typing import TypedDict
+from typing import Literal, TypedDict
 
 Vec3 = tuple[float, float, float]
 
@@ -22,3 +22,9 @@ class Camera(CameraPlace, total=False):
 
     is_parallel: bool
     """Parallel projection, as high at the target as the perspective view; absent: perspective."""
+
+
+class StalePart(TypedDict):
+    """How a part differs from the one of the revision that a result was computed on."""
+
+    change: Literal["changed", "moved", "new"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, TypeVar
 
@@ -16,7 +16,7 @@ from feeler.io.film import way_length
 from feeler.words import length
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer, WayFacts
-from feeler.workbench.document.document import Card, Findings, KeptClear, Removal, is_stale
+from feeler.workbench.document.document import Card, Findings, KeptClear, Removal, Since, is_stale
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
 from feeler.workbench.document.joints import JointStep, figure
 from feeler.workbench.report import values
@@ -99,11 +99,16 @@ class _Writer:
     def paths(self, parts: Sequence[int]) -> tuple[str, ...]:
         return tuple(self.path(part) for part in parts[:MOST_ROWS])
 
+    def since(self, stale: Mapping[int, Since], parts: Iterable[int] | None = None) -> str:
+        """Which parts of a result, or of these, differ since it was computed, in words; empty if none does."""
+        return self._changes({part: each.change for part, each in stale.items()}, stale if parts is None else parts)
+
     def changed(self, parts: Sequence[int] | frozenset[int]) -> str:
-        """Which of these parts differ, in words; empty if none does."""
-        said = [
-            f"{name_of(self.path(part))} {self._source.stale[part]}" for part in parts if part in self._source.stale
-        ]
+        """Which of these parts differ from those of the project's first revision, likewise."""
+        return self._changes(self._source.stale, parts)
+
+    def _changes(self, changes: Mapping[int, str], parts: Iterable[int]) -> str:
+        said = [f"{name_of(self.path(part))} {changes[part]}" for part in parts if part in changes]
         more = f", and {len(said) - 3:,} more" if len(said) > 3 else ""
         return ", ".join(said[:3]) + more
 
@@ -133,12 +138,11 @@ class _Writer:
         gap, depth = (None if verdict is None else _finite(value) for value in _sizes(verdict))
         stale = []
         if verdict is not None:
+            stale.append(self.since(verdict.stale))
             for side, pattern in (("a", asked.a), ("b", asked.b)):
                 chosen = self._selection(pattern)
                 if chosen is None and status != "unknown" and not pattern.startswith("re:"):
                     stale.append(f"pattern {side} names no part now")
-                elif chosen is not None:
-                    stale.append(self.changed(chosen))
             stale += self._lost(verdict.parts)
         points = () if verdict is None else verdict.points
         return values.RequirementRow(
@@ -244,7 +248,7 @@ class _Writer:
             gap=gap,
             point=known,
             is_touching=bool(table.is_touching[row]),
-            stale=self.changed([part for part in sides if part >= 0]) if is_here else "a part is gone",
+            stale=self.since({} if found is None else found.stale, sides) if is_here else "a part is gone",
             history=tuple(history.get(name, ()))[:MOST_ROWS],
             place=place if is_here else None,
         )
@@ -265,7 +269,7 @@ class _Writer:
             setting=cut(card.setting),
             sentence=cut(sentence, LONGEST_TEXT),
             is_good=card.is_good if card.state == "done" else None,
-            stale=self.changed(card.parts) or (_EARLIER if card.is_earlier else ""),
+            stale=(self.changed(card.parts) or _EARLIER) if card.is_earlier else "",
             is_moved=is_stale(self._document, card) and not card.is_earlier,
             ways=ways,
             blockers=() if answer is None else self._blockers(answer),
@@ -323,11 +327,14 @@ class _Writer:
             told = {int(part): motion.row(place) for part, place in way.get("places", {}).items()}
             there = told if "places" in way else places
             starts = {part: there[part] for part in way["parts"] if part in there}
-            rows.append(self._way(f"way-{card.id}-{number}", way, starts, gone | frozenset(told)))
+            stale = self.changed(way["parts"]) if card.is_earlier else ""
+            rows.append(self._way(f"way-{card.id}-{number}", way, starts, gone | frozenset(told), stale))
             gone |= frozenset(way["parts"])
         return rows
 
-    def _way(self, key: str, way: WayFacts, starts: Mapping[int, motion.Row], gone: frozenset[int]) -> values.WayRow:
+    def _way(
+        self, key: str, way: WayFacts, starts: Mapping[int, motion.Row], gone: frozenset[int], stale: str
+    ) -> values.WayRow:
         return values.WayRow(
             key=key,
             title=self._names(way["parts"]),
@@ -340,7 +347,7 @@ class _Writer:
             length=max(0.0, way["length"]),
             rotation=way["rotation"],
             clearance=way["clearance"],
-            stale=self.changed(way["parts"]),
+            stale=stale,
             gaps=_gaps(way),
         )
 
@@ -390,7 +397,7 @@ class _Writer:
             clearance=_finite(line.least_clearance),
             touched=tuple(map(cut, line.touched[:MOST_ROWS])),
             tool=cut(line.tool or ""),
-            stale=self.changed(line.parts),
+            stale=self.since(line.stale, line.parts) or (_EARLIER if line.stale else ""),
             checked=self._checked(line),
             joint="" if step is None else cut(_joint_words(step)),
         )

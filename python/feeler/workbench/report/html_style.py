@@ -26,7 +26,8 @@ h3 { font-size: 17px; margin: 28px 0 10px; } h4 { font-size: 15px; margin: 0 0 4
 p { margin: 0 0 10px; } a { color: var(--link); }
 a:focus-visible, button:focus-visible, input:focus-visible { outline: 3px solid var(--link); outline-offset: 2px; }
 nav { display: flex; flex-wrap: wrap; gap: 4px 18px; margin: 18px 0 0; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(190px, 1fr)); gap: 12px; margin: 22px 0 0; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(190px, 100%), 1fr)); gap: 12px;
+  margin: 22px 0 0; }
 .tile { border: 1px solid var(--line); border-radius: 8px; padding: 12px 16px; background: var(--card); color: inherit;
   text-decoration: none; display: block; }
 .tile b { display: block; font-size: 26px; line-height: 1.2; } .tile span { color: var(--soft); }
@@ -46,7 +47,7 @@ code { font: 13px ui-monospace, Consolas, monospace; overflow-wrap: anywhere; }
 .chip.bad { color: var(--bad); background: var(--bad-back); }
 .chip.good { color: var(--good); background: var(--good-back); }
 .chip.warn { color: var(--warn); background: var(--warn-back); }
-.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(310px, 1fr)); gap: 16px; }
+.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(310px, 100%), 1fr)); gap: 16px; }
 .card { border: 1px solid var(--line); border-radius: 8px; overflow: hidden; background: var(--card); }
 .card img, .film img { display: block; width: 100%; height: auto; background: #eef0f3; }
 .card .text { padding: 10px 14px 12px; overflow-wrap: anywhere; } .card .text p { margin: 0 0 4px; }

@@ -14,11 +14,13 @@ from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.project.book import CHECK, Book, loads
 from feeler.project.parts import PartChanges, PartContent, Revision, revised
+from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
 from feeler.workbench.document import keeping, motion
 from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.cards import task_parts
-from feeler.workbench.document.document import Document, MockupFacts, with_revision
+from feeler.workbench.document.document import Document, MockupFacts
 from feeler.workbench.document.frames import check
+from feeler.workbench.document.revising import with_check, with_older, with_revision
 
 _SOURCES = 1000
 
@@ -68,18 +70,20 @@ def of_book(
     name = _text(facts.get("name")) or (sources[0] if sources else Path(book.path).stem)
     triangles = mockup.triangle_count if mockup is not None else sum(part.triangles for part in known)
     about = MockupFacts(name, content or _text(facts.get("hash")), triangles, len(parts))
+    names = Names.of(revision)
+    rows = with_changes(book.rows, renaming_changes(book, names))
     kept = keeping.restored(
         Document(mockup=about, absent=tuple(absent)),
-        book.rows,
-        book.marks(),
+        rows,
+        book.marks(rows("marks")),
         lambda text, where: loads(text, f"{book.path}: {where}"),
         parts,
         None if is_numbered else _numbering(revision, book.path),
+        names,
     )
-    document = kept.document
-    is_other = bool(content) and content != facts.get("hash")
-    if is_other and (revision.stale or revision.gone):
-        document = with_revision(document)
+    document = with_older(kept.document, rows, known, _numbering(revision, book.path), parts)
+    document = with_revision(document, revision, parts)
+    document = with_check(document, checked_contents(rows), revision.parts)
     answers = {}
     said = list(notes)
     if is_numbered:
@@ -88,7 +92,8 @@ def of_book(
         said.append("The parts have other numbers now: details of answers are left out. Ask the questions again.")
     if kept.aside:
         said.append("Removals, measures and questions of parts that are gone are left out.")
-    earlier = _object(book.fact(CHECK)).get("earlier")
+    head = next((row.value for row in rows("facts") if row.id == CHECK), "null")
+    earlier = _object(loads(head, f"{book.path}: the clash check")).get("earlier")
     return Source(
         Path(book.path).name,
         document,
@@ -96,7 +101,7 @@ def of_book(
         mockup,
         sources,
         answers,
-        book.history(),
+        [each for each in (loads(row.value, "the history") for row in rows("history")) if isinstance(each, dict)],
         [each for each in earlier if isinstance(each, dict)] if isinstance(earlier, list) else [],
         revision.changes(),
         {number: str(change) for number, change in revision.stale.items()},

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -33,6 +33,7 @@ from feeler.workbench.document.protocol import HeldManifest, Vec3
 from feeler.workbench.engine.gaps import WITHIN_M, Gaps, Near, gap_json
 from feeler.workbench.engine.geometry import HeldGeometry
 from feeler.workbench.engine.world import World
+from feeler.workbench.session.apart import way_apart
 
 SECONDS, ORDER_SECONDS = 30.0, 120.0
 """Time for the search of a way, and of an order, unless another is asked for."""
@@ -43,7 +44,7 @@ ROOM_SHARE, ROOM_STEPS = 1.0 / 60.0, 300.0
 side, but not less than its own size over `ROOM_STEPS`: it would take long, and gigabytes."""
 CLEARANCE_ERROR = 0.05
 """The clearance of a way may be too large by this share (`Removal.clearance`)."""
-MOST_BLOCKERS = 20
+MOST_BLOCKERS = 100
 _NAMED = 3  # parts named in a sentence
 
 
@@ -124,7 +125,7 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     way = _way(asked.parts, found, gaps)
     what, wanted = _names(asked.mockup, asked.parts), asked.number("clearance", 0.0)
     if not found.legs:
-        return Answered(f"{what} {'is' if len(asked.parts) == 1 else 'are'} out already.", True, (way,))
+        return _apart(asked, what, way)
     is_kept = way.clearance is None or way.clearance >= wanted * (1.0 - CLEARANCE_ERROR)
     short = "" if is_kept else f", less than the {length(wanted)} that you asked for"
     return Answered(
@@ -134,6 +135,26 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
         (_way_facts(way, found, gaps),),
         _blockers(found.held_by, found.blocked_by),
     )
+
+
+def _apart(asked: Asked, what: str, way: Way) -> Answered:
+    """The answer for parts outside of all others, with a way to take: others may still be stopped by them."""
+    lie = "lies" if len(asked.parts) == 1 else "lie"
+    found = way_apart(asked.scene, asked.parts)
+    if found is None:
+        return Answered(f"{what} {lie} outside of all other parts already: nothing is in the way.", True, (way,))
+    poses, direction, long = found
+    facts: WayFacts = {
+        "parts": list(way.parts),
+        "poses": [list(pose) for pose in poses],
+        "clearance": way.clearance,
+        "legs": [f"{length(long)} along {direction}"],
+        "length": long,
+        "rotation": 0.0,
+        "gaps": [],
+    }
+    said = f"{what} {lie} outside of all other parts already, and {_verb(asked.parts, 'move')} away along {direction}."
+    return Answered(said, True, (replace(way, poses=poses),), (facts,))
 
 
 def order(asked: Asked, progress: Progress) -> Answered:
@@ -193,7 +214,7 @@ def room(asked: Asked, progress: Progress) -> Answered:
     low, high = volume.bounds
     way = _way(asked.parts, found, [])
     litres = _volume(volume) * 1e3
-    sides = " x ".join(f"{1e3 * side:.0f}" for side in (high - low))
+    sides = " × ".join(f"{1e3 * side:.0f}" for side in (high - low))
     return Answered(
         f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'need')} at most {_litres(litres)} on the way out, "
         f"within {sides} mm.",

@@ -20,11 +20,13 @@ from feeler.mockup import Mockup, Tool
 from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make, row_id
 from feeler.project.layout import MOST_ROWS, SUFFIX
 from feeler.project.parts import PartContent, Revision, contents_of, rows_of
+from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
 from feeler.project.store import Change, drop, put
 from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
 from feeler.workbench.document import keeping
-from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts, with_revision
+from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts
+from feeler.workbench.document.revising import with_check, with_older, with_revision
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.record import digest
 
@@ -48,6 +50,8 @@ class Saver:
         self._shown: Document | None = None
         self._first: Callable[[], Iterator[Change]] | None = None
         """The changes that the first write makes besides: what is new in the mock-up."""
+        self._renaming: list[Change] = []
+        """The changes before that one: of findings, to the names of parts now."""
         self._answers: dict[int, Change] = {}
         """Answers of cards that are not written yet."""
         self._is_known = False
@@ -79,27 +83,33 @@ class Saver:
         document = opened
         revision: Revision | None = None
         aside: tuple[tuple[str, str], ...] = ()
+        known = project.parts()
         if before.get("hash") == opened.mockup.hash:
-            known = project.parts()
             stale = {number: part.change for number, part in enumerate(known) if part.change is not None}
             facts = replace(facts, stale=_bounded(stale), gone=_keys(project.gone()))
-        elif project.parts():
+        elif known:
             revision = project.revision(scene.mockup)
             facts = replace(facts, stale=_bounded(revision.stale), gone=_keys(revision.gone))
         self._is_known = revision is None
         is_known, there = bool(project.rows("document")), None
         if is_known or project.rows("findings"):
+            names = Names() if revision is None else Names.of(revision)
+            self._renaming = renaming_changes(project, names)
+            rows = with_changes(project.rows, self._renaming)
             kept = keeping.restored(
                 opened,
-                project.rows,
-                project.marks(),
+                rows,
+                project.marks(rows("marks")),
                 lambda text, where: loads(text, f"{project.path}: {where}"),
                 scene.mockup.parts,
                 None if revision is None else _renumbering(revision),
+                names,
             )
-            document, aside = kept.document, kept.aside
-            if revision is not None and (revision.stale or revision.gone):
-                document = with_revision(document)
+            number = _same if revision is None else _renumbering(revision)
+            document, aside = with_older(kept.document, rows, known, number, scene.mockup.parts), kept.aside
+            if revision is not None:
+                document = with_revision(document, revision, scene.mockup.parts)
+            document = with_check(document, checked_contents(rows), known if revision is None else revision.parts)
             # With the same mock-up, only what differs from the file is written.
             there = document if is_known and revision is None else None
             if document.tool is not None and document.tool.name not in hands.names:
@@ -182,6 +192,9 @@ class Saver:
         try:
             with self._guard:
                 answers = dict(self._answers)
+            if self._renaming:  # first, so that the history does not take them for others
+                self._project.write(self._renaming)
+                self._renaming = []
             changes = [] if first is None else [*first()]
             changes += answers.values()
             changes += self._changes(target)
@@ -314,6 +327,10 @@ def _with_tool(document: Document, opened: Document, hands: Hands, is_chosen: bo
     if name not in hands.names:
         return replace(document, tool=opened.tool)
     return replace(document, tool=ToolFacts(name, hands.tool(name).triangle_count))
+
+
+def _same(part: int) -> int:
+    return part
 
 
 def _renumbering(revision: Revision) -> Callable[[int], int | None]:

@@ -547,7 +547,9 @@ class Session:
         after = replace(after, held_version=hands.version(after))
         if name != "place":
             self._engine_follows(before, after)
-        if command is None or not command.is_of_cards:
+        # The parts are put down at the end of a replay: one step with it, unless something else was done meanwhile.
+        is_end = name == "release" and before.replaying is not None and self._history.last == "sequence_replay"
+        if command is None or not (command.is_of_cards or is_end):
             self._history.changed(before, step)
         return after
 

@@ -1,0 +1,293 @@
+"""Projects and revisions of their mock-up: files with other names, and which results are about an earlier revision."""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_project import revision
+from test_project_workbench import AT_HOME, WAIT_S, opened, saved
+from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, stand
+
+import feeler
+from feeler.cli.projects import Work, take_mockup
+from feeler.project.book import open_or_make
+from feeler.project.renaming import Names
+from feeler.project.store import put
+from feeler.workbench.document.document import Since
+from feeler.workbench.document.finding_rules import renamed_rules
+from feeler.workbench.document.keeping import encoded
+from feeler.workbench.report.content import report_of
+from feeler.workbench.report.source import of_book, of_document
+from feeler.workbench.session.session import Session
+
+WHEN = datetime.datetime(2026, 1, 2, tzinfo=datetime.timezone.utc)
+OLD, NEW = ([f"{root}/{path}" for path in PATHS] for root in ("engine", "engine_v2"))
+
+
+def take(session: Session, kind: str) -> None:
+    """Runs a check, and takes what it found."""
+    found = session.job(kind, {}).result(WAIT_S)
+    if kind == "clash":
+        session.command("findings_take", {"key": found["key"]})
+    else:
+        session.command("requirements_checked", {"results": found})
+
+
+def said(session: Session) -> dict[tuple[str, str], tuple[str, str]]:
+    """The status and the note of each finding, by the names of its parts."""
+    found = session.current.findings
+    assert found is not None
+    table = found.table
+    names = [path.rpartition("/")[2] for path in table.paths]
+    marks = map(found.mark_of, table.ids)
+    pairs = zip(table.a.tolist(), table.b.tolist(), marks, strict=True)
+    return {(names[a], names[b]): (mark.status, mark.note) for a, b, mark in pairs}
+
+
+def checked(path: Path) -> dict[tuple[str, str], tuple[str, str]]:
+    """A project of findings, each with a status and a note, a group made by hand, requirements and an exclusion."""
+    session = opened(path, stand(OLD))
+    session.command("clash_settings", {"clearance": 0.1})
+    take(session, "clash")
+    facts = session.document()["findings"]
+    for row in range(facts["count"]):
+        given = {"version": facts["version"], "rows": [row], "status": "reviewed", "note": f"seen {row}"}
+        session.command("finding_mark", given)
+    session.command("finding_group_add", {"version": facts["version"], "rows": [0], "name": "mine"})
+    for name, a in (("path", OLD[PEG]), ("folder", "engine/stand/posts"), ("regex", r"re:engine/.*/peg"), ("own", "*")):
+        session.command("requirement_add", {"name": name, "a": a, "b": OLD[PLATE], "gap": 0.0})
+    session.command("finding_ignore", {"name": "like this", "a": "engine/stand/posts/le*", "b": OLD[RIGHT]})
+    saved(session)
+    before = said(session)
+    assert len(before) > 2 and all(status == "reviewed" for status, _ in before.values())
+    session.close()
+    return before
+
+
+def test_findings_keep_what_was_said_in_a_file_with_another_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    before = checked(path)
+    with feeler.open_project(path) as project:
+        history = len(project.history())
+    session = opened(path, stand(NEW))
+    found = session.current.findings
+    assert found is not None and said(session) == before
+    assert {each.split("/")[0] for each in found.table.paths} == {"engine_v2"}
+    assert len(found.members) == 1 and set(found.members) <= set(found.table.ids)
+    saved(session)
+    take(session, "clash")
+    assert said(session) == before, "the same findings, checked again"
+    assert len(session.current.findings.members) == 1  # type: ignore[union-attr]
+    saved(session)
+    session.close()
+    with feeler.open_project(path) as project:
+        ids = {row["id"] for row in project.findings()}
+        assert len(project.history()) == history, "nobody said anything else"
+        assert {row["id"] for row in project.history()} <= ids
+        assert all(row["status"] == "reviewed" and row["note"] for row in project.findings())
+
+
+def test_a_check_of_the_command_line_knows_findings_of_the_workbench_in_another_file(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    before = checked(path)
+    now = stand(NEW)
+    with contextlib.closing(open_or_make(path)) as book:
+        take_mockup(book, now, Work([]))
+        previous = book.clashes()
+    assert previous is not None
+    found = feeler.clash(now, 0.1)
+    found.diff(previous)
+    assert sum(status == "reviewed" for status in found.statuses) == len(before)
+
+
+def test_a_report_of_another_file_has_the_history_of_its_findings(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    checked(path)
+    book = open_or_make(path, read_only=True)
+    report = report_of(of_book(book, stand(NEW)), WHEN)
+    book.close()
+    assert report.findings and all(len(row.history) == 1 and row.status == "reviewed" for row in report.findings)
+    assert not any(row.stale for row in (*report.findings, *report.requirements))
+
+
+def test_patterns_and_rules_follow_the_names_of_parts(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    checked(path)
+    session = opened(path, stand(NEW))
+    asked = {each.name: each.a for each in session.current.requirements}
+    assert asked == {
+        "path": NEW[PEG],
+        "folder": "engine_v2/stand/posts",
+        "regex": r"re:engine_v2/.*/peg",
+        "own": "*",
+    }
+    assert "engine/" not in session.current.clash.rules
+    take(session, "verify")
+    assert {each.verdict and each.verdict.status for each in session.current.requirements} <= {"holds", "violated"}
+    session.command("finding_ignore", {"name": "alike", "a": NEW[PLATE], "b": NEW[PEG]})
+    taken = session.job("clash", {}).result(WAIT_S)
+    assert not any("names no part" in note for note in taken["notes"])
+    session.close()
+
+
+def test_rules_keep_all_but_their_patterns() -> None:
+    parts = stand(NEW).parts
+    names = Names(dict(zip(OLD, NEW, strict=True)), (("engine/", "engine_v2/"),))
+    rules = """# by hand
+[[rule]]
+name = "engine/stand/peg"
+a = ['engine/stand/peg', "other/*"]
+b = "engine/stand/*"  # the rest
+"""
+    made = renamed_rules(rules, lambda each: names.pattern(each, parts))
+    assert made.count("engine_v2/stand") == 2 and '"other/*"' in made and "# by hand" in made
+    assert 'name = "engine/stand/peg"' in made
+    assert renamed_rules("[[rule]", str.upper) == "[[rule]"
+
+
+@pytest.mark.parametrize("pattern", ["*/peg", "nobody/*", "re:(", "material:steel", "", "engine_v2/stand"])
+def test_patterns_that_do_not_need_another_name_stay(pattern: str) -> None:
+    names = Names(dict(zip(OLD, NEW, strict=True)), (("engine/", "engine_v2/"),))
+    assert names.pattern(pattern, stand(NEW).parts) == pattern
+
+
+def test_each_result_is_about_the_revision_that_it_was_computed_on(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    for name, a, b in (("peg", PATHS[PEG], PATHS[PLATE]), ("posts", PATHS[LEFT], PATHS[RIGHT])):
+        session.command("requirement_add", {"name": name, "a": a, "b": b, "gap": 0.0})
+    session.command("measure_add", {"type": "parts", "parts": [PEG, RIGHT], "name": "of the peg"})
+    session.command("measure_add", {"type": "parts", "parts": [LEFT, RIGHT], "name": "of the posts"})
+    take(session, "verify")
+    take(session, "clash")
+    assert marks(session) == [{}] * 5
+    saved(session)
+    session.close()
+
+    raised = revision(p3=("move", 0.015625))
+    session = opened(path, raised)
+    peg = {PEG: "moved"}
+    assert marks(session) == [peg, {}, peg, {}, peg], "requirements, measures, findings"
+    assert session.document()["requirements"][0]["verdict"]["stale"] == {str(PEG): {"change": "moved"}}
+    report = report_of(of_document(session.current, raised, {}), WHEN)
+    assert [row.stale for row in report.requirements] == ["peg moved", ""]
+    assert {bool(row.stale) for row in report.findings if row.a.endswith("peg") or row.b.endswith("peg")} == {True}
+    saved(session)
+    session.close()
+
+    # Back at the first one, all hold again.
+    session = opened(path, stand())
+    assert marks(session) == [{}] * 5
+    saved(session)
+    session.close()
+
+    session = opened(path, raised)
+    take(session, "verify")
+    take(session, "clash")
+    assert marks(session) == [{}, {}, peg, {}, {}], "checked again"
+    saved(session)
+    session.close()
+    book = open_or_make(path, read_only=True)
+    report = report_of(of_book(book, raised), WHEN)
+    book.close()
+    assert not any(row.stale for row in (*report.findings, *report.requirements)), "they are of this revision"
+
+    session = opened(path, stand())
+    assert marks(session) == [peg, {}, {}, {}, peg], "of the newer one, which is another now"
+    session.close()
+
+
+def marks(session: Session) -> list[dict[int, str]]:
+    """How parts differ since: of requirements, measures and findings."""
+    document = session.current
+    assert document.findings is not None
+    stale = [each.verdict.stale for each in document.requirements if each.verdict is not None]
+    stale += [each.stale for each in document.measures] + [document.findings.stale]
+    return [{part: since.change for part, since in each.items()} for each in stale]
+
+
+def test_a_removal_is_of_the_revision_that_it_was_made_in(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("set_mode", {"mode": "pass"})
+    session.command("grip", {"parts": [PEG]})
+    pose = np.reshape(AT_HOME, (4, 4)).copy()
+    pose[:3, 3] = 0.0, 0.28125, 3.0
+    session.command("place", {"pose": pose.ravel().tolist()})
+    session.command("release", {})
+    saved(session)
+    session.close()
+    session = opened(path, revision(p1=("move", 0.0625)))
+    (line,) = session.current.sequence
+    assert {part: each.change for part, each in line.stale.items()} == {LEFT: "moved"}, "what is around it counts"
+    (step,) = report_of(of_document(session.current, stand(), {}), WHEN).steps
+    assert "earlier revision" in step.stale
+    session.close()
+
+
+def test_a_check_of_the_command_line_is_of_the_mock_up_that_it_saw(tmp_path: Path) -> None:
+    path, raised = tmp_path / "a.feelproj", revision(p3=("move", -0.015625))
+    session = opened(path)
+    take(session, "clash")
+    saved(session)
+    session.close()
+    with feeler.open_project(path) as project:
+        project.write_clashes(feeler.clash(raised, 0.002))
+    session = opened(path, raised)
+    assert session.current.findings is not None and not session.current.findings.stale
+    saved(session)
+    session.close()
+    with feeler.open_project(path) as project:
+        project.write_clashes(feeler.clash(stand(), 0.002))
+    session = opened(path, raised)
+    assert session.current.findings is not None and set(session.current.findings.stale) == {PEG}
+    session.close()
+
+
+def test_a_damaged_list_of_stale_parts_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("measure_add", {"type": "parts", "parts": [LEFT, RIGHT], "name": "m"})
+    saved(session)
+    (measure,) = session.current.measures
+    session.close()
+    wrong = encoded(replace(measure, stale={99: Since("moved", "")}))
+    with contextlib.closing(open_or_make(path)) as book:
+        book.write([put("measures", str(measure.id), 0, wrong)])
+    with pytest.raises(feeler.LoadError, match="there is no part 99"):
+        opened(path)
+
+
+def test_a_project_of_an_older_feeler_says_of_all_its_results_what_is_stale(tmp_path: Path) -> None:
+    path, raised = tmp_path / "a.feelproj", revision(p3=("move", 0.015625))
+    session = opened(path)
+    session.command("requirement_add", {"name": "peg", "a": PATHS[PEG], "b": PATHS[PLATE], "gap": 0.0})
+    session.command("measure_add", {"type": "parts", "parts": [PEG, RIGHT], "name": "m"})
+    take(session, "verify")
+    take(session, "clash")
+    saved(session)
+    session.close()
+    session = opened(path, raised)
+    saved(session)
+    session.close()
+    with contextlib.closing(open_or_make(path)) as book:
+        for table in ("document", "measures", "requirements"):
+            for row in book.rows(table):
+                value = re.sub(r',"stale":{("3":{[^}]*})?}', "", row.value)
+                book.write([put(table, row.id, row.place, value)])
+        assert not any('"stale":' in row.value for table in ("document", "measures") for row in book.rows(table))
+    session = opened(path, raised)
+    assert marks(session) == [{PEG: "moved"}] * 3
+    take(session, "verify")
+    assert marks(session)[0] == {}
+    saved(session)
+    session.close()
+    session = opened(path, raised)
+    assert marks(session) == [{}, {PEG: "moved"}, {PEG: "moved"}]
+    session.close()
