@@ -3,7 +3,7 @@
 use feeler_contacts::ContactSolver;
 use feeler_core::{GoOn, Pose};
 
-use crate::constants::{EROSION_SHARE, FIT_DEPTH, SEAT_TOLERANCE};
+use crate::constants::{EROSION_SHARE, FIT_DEPTH, FLUSH_PLAY, SEAT_TOLERANCE, TOUCH};
 use crate::error::Result;
 use crate::seats::SeatKind;
 use crate::surroundings::Surroundings;
@@ -29,10 +29,11 @@ impl Surroundings {
         Ok(self.start_depths.get().and_then(|all| all.get(body)).map_or(&[], Vec::as_slice))
     }
 
-    /// How deep a part of a body may be, metres: as at the start, and as deep as fits are known.
+    /// How deep a part of a body may be, metres: the play of what touches at the start; of others as then, and as exactly as fits are known.
     fn most_depth(&self, body: usize, part: u32, go_on: GoOn<'_>) -> Result<f64> {
         let known = self.depths_at_start(body, go_on)?.iter().find(|(own, _)| *own == part);
-        Ok(EROSION_SHARE * known.map_or(0.0, |(_, depth)| *depth) + SEAT_TOLERANCE)
+        let depth = known.map_or(0.0, |(_, depth)| *depth);
+        Ok(if depth <= TOUCH { depth + FLUSH_PLAY } else { EROSION_SHARE * depth + SEAT_TOLERANCE })
     }
 
     /// A part that counts as sunk because no smaller part is free of it, and is only as deep as a fit: it may go no deeper.
