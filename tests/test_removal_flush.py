@@ -74,7 +74,7 @@ def deepest(one: Cells, other: Cells, ways: Floats, grown: float) -> float:
 @pytest.mark.parametrize("grown", [0.0, 1e-6, 2e-5])
 def test_a_way_of_flush_blocks_goes_into_no_neighbour(grown: float) -> None:
     found = 0
-    for (one, other), seed in itertools.product(((RING, CORE), (BASE, COVER)), range(12)):
+    for (one, other), seed in itertools.product(((RING, CORE), (BASE, COVER)), range(5)):
         turn = turned(seed)
         parts = {"one": blocks(one, grown, turn), "other": blocks(other, grown, turn)}
         way = feeler.removal(feeler.Scene(mockup_of(parts), threads=1), "one", rounds=1, seconds=5.0, threads=1)
@@ -84,8 +84,8 @@ def test_a_way_of_flush_blocks_goes_into_no_neighbour(grown: float) -> None:
                 break
             shares = np.linspace(0.0, 1.0, 201)[:, None]
             ways = (start[:3, 3] + shares * (leg.pose - start)[:3, 3]) @ turn
-            assert deepest(one, other, ways, grown) < 2.2 * grown + 1.5e-5, (seed, str(leg))
-    assert found >= 22
+            assert deepest(one, other, ways, grown) < (2.2 * grown + 1.1e-5 if grown else 1.1e-6), (seed, str(leg))
+    assert found == 10
 
 
 def boxed(part: Mesh) -> feeler.Scene:
