@@ -64,7 +64,7 @@ def blocks(cells: Cells, grown: float, turn: Floats) -> Mesh:
 
 
 def deepest(one: Cells, other: Cells, ways: Floats, grown: float) -> float:
-    """The least side of the largest box that a cube of one and a cube of the other have in common on the ways (k, 3)."""
+    """The least side of the largest box that a cube of one and a cube of the other have in common on ways (k, 3)."""
     a = SIDE * np.array(one)[None, :, None] + ways[:, None, None]
     b = SIDE * np.array(other)[None, None]
     sides = np.minimum(a, b) + SIDE + grown - np.maximum(a, b) + grown

@@ -136,7 +136,8 @@ def removal_order(
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
     random trees as well; so are `parts` before it is said that others have to go.
 
-    Raises the errors of `feeler.removal`, and `OptionError` for parts that are in `keep` too; Ctrl-C ends it with `RemovalOrderInterrupted`, which has the best attempt.
+    Raises the errors of `feeler.removal`, and `OptionError` for parts that are in `keep` too. Ctrl-C
+    ends it with `RemovalOrderInterrupted`, which has the best attempt.
     """
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     check_progress(progress)
