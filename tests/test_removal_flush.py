@@ -29,7 +29,7 @@ BASE: Cells = [
 def turned(seed: int) -> Floats:
     """A random rotation."""
     axes, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return axes * np.sign(np.linalg.det(axes))
+    return np.asarray(axes * np.sign(np.linalg.det(axes)))
 
 
 def blocks(cells: Cells, grown: float, turn: Floats) -> Mesh:
