@@ -69,7 +69,7 @@ def test_a_well_too_deep_for_a_bar_and_not_for_a_driver() -> None:
     ]
     row = asked({"well": joined(*walls)}, bar())
     assert not row.is_reachable and row.swing_deg == 0.0 and np.isnan(row.angle_deg) and row.way.shape == (0, 4, 4)
-    assert row.because == "the tool collides at every angle"
+    assert row.because == "no swing of 0.001 degrees or more is free"
     assert row.blockers == (feeler.Blocker(1, "well", 72),)
     driver = feeler.Tool(*box((-0.005, -0.005, -0.002), (0.005, 0.005, 0.3)), "driver")
     row = asked({"well": joined(*walls)}, driver)

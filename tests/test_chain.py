@@ -53,6 +53,10 @@ def test_a_chain_is_the_product_of_its_joints() -> None:
     assert chain.joints[0] == first
     assert chain.relative_to(feeler.Chain([first])) == feeler.Chain(chain.joints[1:])
     assert eval(repr(chain), {"Chain": feeler.Chain, "Screw": feeler.Screw, "Slide": feeler.Slide}) == chain
+    for motion in (first, chain, feeler.Slide((0, 1, 0))):
+        for fraction in (-0.1, 2.0, math.nan):
+            with pytest.raises(feeler.OptionError, match=r"fraction is .*: give a number, 0 to 1"):
+                motion.at(STILL, fraction)
     for wrong in (3, [3], [STILL]):
         with pytest.raises(feeler.OptionError, match="joints of the chain"):
             feeler.Chain(wrong)  # type: ignore[arg-type]

@@ -164,6 +164,7 @@ def test_a_path_in_is_told_and_written(chest: Path, tmp_path: Path) -> None:
     assert "It goes in:" in text
     np.testing.assert_allclose(json.loads(way.read_text())["poses"][0], lies)
     np.testing.assert_allclose(json.loads(way.read_text())["poses"][-1], np.eye(4))
+    assert "Ways in" in text and "Ways out" not in text
     facts = json.loads(run(chest, "--part", "upper", "--insert", "--goal", here, "--json").stdout)
     np.testing.assert_allclose(facts["parts"][0]["steps"][0]["poses"][-1], lies)
     for words, said in (

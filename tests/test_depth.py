@@ -14,7 +14,7 @@ from shapes import Mesh, at, box, cube, inverted, joined, mockup_of, tool_of
 
 import feeler
 from feeler import Depths
-from feeler.depths import deepest
+from feeler.depths import deepest, deepest_within
 from feeler.errors import MeshError, OptionError, PoseError
 
 Floats = npt.NDArray[np.float64]
@@ -163,7 +163,7 @@ def test_the_deepest_part_is_first_and_names_the_part_of_the_tool() -> None:
 
 def test_depths_that_take_too_long_are_not_given() -> None:
     scene, tool = scene_of(slab=box((-1, -1, -1), (1, 1, 0))), tool_of({"cube": cube((0, 0, 0), 0.4)})
-    assert deepest(scene, tool, HERE, 0.0) == {}
+    assert deepest_within(scene, tool, HERE, 0.0) is None
     assert deepest(scene, tool, HERE) == {0: scene.depth(tool, HERE).depths[0]} != {0: 0.0}
 
 

@@ -1,6 +1,7 @@
 """`feeler.removal`: parts that come out, parts that do not, and what cannot be asked."""
 
 import pickle
+import warnings
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -169,6 +170,10 @@ def test_directions_come_first() -> None:
     scene = scene_of(block=box([0, 0, 0.01], [0.02, 0.03, 0.03]), below=below, above=above)
     way = feeler.removal(scene, "block", directions=[1.0, -1.0, 0.0]).poses[-1][:3, 3]
     assert way[0] > 0.1 and way[0] == -way[1] and way[2] == 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        large = feeler.removal(scene, "block", directions=[1e300, -1e300, 0.0]).poses[-1][:3, 3]
+    assert np.allclose(large, way)
     assert 0.1 < feeler.removal(scene, "block").path_length < 0.11
 
 

@@ -53,6 +53,12 @@ def test_what_comes_out_by_itself_is_one_step(chest: feeler.Scene) -> None:
     assert order.is_found and len(order) == 1 and names(chest, order.parts) == ["cover"]
 
 
+def test_what_is_wanted_is_not_kept(chest: feeler.Scene) -> None:
+    for keep in ("thing", ["chest", "thing"]):
+        with pytest.raises(feeler.OptionError, match="'thing' is wanted and kept"):
+            feeler.removal_order(chest, ["thing", "lid"], threads=1, keep=keep)
+
+
 def test_the_scene_says_what_is_there(chest: feeler.Scene) -> None:
     order = feeler.removal_order(chest.without("cover"), "thing", seconds=10.0, threads=1, keep="chest")
     assert order.is_found and names(chest, order.parts) == ["lid", "thing"]

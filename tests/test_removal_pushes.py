@@ -198,6 +198,9 @@ def test_legs_are_said_as_a_person_says_them() -> None:
     assert leg(feeler.Screw((1, 0, 0), (0, 0, 0), 1.5), 0.1, 85.9, (1, 0, 0)) == "turn 85.9 degrees about +x"
     assert leg(None, 0.042, 0, (0, -1, 0)) == "move 42 mm along -y"
     assert leg(None, 1.5, 0, (0.6, 0.8, 0)) == "move 1.5 m along (0.60, 0.80, 0.00)"
+    # An axis is named only where two decimals show nothing else.
+    assert leg(None, 0.797, 0, (0.9994, 0.032, 0.016)) == "move 797 mm along (1.00, 0.03, 0.02)"
+    assert leg(None, 0.797, 0, (-0.99999, 0.004, -0.001)) == "move 797 mm along -x"
     assert leg(None, 2e-6, 12, (0.6, 0.8, 0)) == "move 2 um and turn 12 degrees"
     assert leg(None, 1e-19, 12, (0, 0, 0)) == "turn 12 degrees in place"
 

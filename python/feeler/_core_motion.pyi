@@ -11,9 +11,10 @@ from typing_extensions import Self
 class Screw:
     """A rotation about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
 
-    `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
-    most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
-    left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or too large.
+    `axis`: a direction, no number beyond 1e100; `point`: on the axis, metres; `angle`: radians, right-handed about
+    the axis, at most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge,
+    negative for a left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or
+    too large.
     """
 
     def __new__(cls, axis: npt.ArrayLike, point: npt.ArrayLike, angle: float, pitch: float | None = None) -> Screw: ...
@@ -35,7 +36,7 @@ class Screw:
     def reversed(self) -> Screw:
         """The reverse motion."""
     def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`."""
+        """`(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`, `OptionError`."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 
@@ -53,7 +54,7 @@ class Slide:
     def reversed(self) -> Slide:
         """The reverse motion."""
     def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: a pose moved by a fraction of the slide, 0 to 1. Raises `PoseError`."""
+        """`(4, 4)`: a pose moved by a fraction of the slide, 0 to 1. Raises `PoseError`, `OptionError`."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 
@@ -70,7 +71,7 @@ class Chain:
     def joints(self) -> tuple[Screw | Slide, ...]:
         """Its `Screw`s and `Slide`s."""
     def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: a pose moved by a fraction of the chain, 0 to 1. Raises `PoseError`."""
+        """`(4, 4)`: a pose moved by a fraction of the chain, 0 to 1. Raises `PoseError`, `OptionError`."""
     def reversed(self) -> Chain:
         """The reverse motion: its axes are where they are at the end."""
     def relative_to(self, other: Chain) -> Chain:

@@ -65,6 +65,11 @@ def check_number(
     return number
 
 
+def check_fraction(what: str, value: object) -> float:
+    """A share of a motion. Raises `OptionError` for other values."""
+    return check_number(what, value, "a number, 0 to 1", least=0.0, most=1.0)
+
+
 def check_length(what: str, value: object, other: str = "") -> float:
     """A length in metres. other: what else could be given. Raises `OptionError` for other values."""
     return check_number(what, value, f"metres, 0 or more{other}", least=0.0)

@@ -65,13 +65,19 @@ class Depths:
         return f"Depths({plural(len(self), 'part')}{deepest})"
 
 
-def deepest(
-    scene: _core.Scene, tool: _core.Tool, pose: npt.NDArray[np.float64], seconds: float = math.inf
-) -> dict[int, float]:
-    """The depth of a tool in each part that it is in, metres; of none if measuring them takes longer than `seconds`."""
+def deepest(scene: _core.Scene, tool: _core.Tool, pose: npt.NDArray[np.float64]) -> dict[int, float]:
+    """The depth of a tool in each part that it is in, metres."""
+    return deepest_within(scene, tool, pose, math.inf) or {}
+
+
+def deepest_within(
+    scene: _core.Scene, tool: _core.Tool, pose: npt.NDArray[np.float64], seconds: float
+) -> dict[int, float] | None:
+    """The depth of a tool in each part that it is in, metres; None if measuring them takes longer than `seconds`."""
     columns = scene._depths(tool, pose, seconds)
+    if columns is None:
+        return None
     found: dict[int, float] = {}
-    if columns is not None:
-        for part, depth in zip(columns[0][:, 0].tolist(), columns[1][:, 0].tolist(), strict=True):
-            found[part] = max(depth, found.get(part, 0.0))
+    for part, depth in zip(columns[0][:, 0].tolist(), columns[1][:, 0].tolist(), strict=True):
+        found[part] = max(depth, found.get(part, 0.0))
     return found

@@ -45,7 +45,7 @@ impl Slide {
         Slide { way: self.way.map(|x| -x) }
     }
 
-    /// `(4, 4)`: a pose moved by a fraction of the slide, 0 to 1. Raises `PoseError`.
+    /// `(4, 4)`: a pose moved by a fraction of the slide, 0 to 1. Raises `PoseError`, `OptionError`.
     #[pyo3(signature = (pose, fraction = Fraction(1.0)), text_signature = "($self, pose, fraction=1.0)")]
     fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: Fraction) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(pose_array(py, &self.chain()?.at(&pose.0, fraction.0).map_err(to_py)?))
@@ -107,7 +107,7 @@ impl Chain {
         PyTuple::new(py, joints.collect::<PyResult<Vec<_>>>()?)
     }
 
-    /// `(4, 4)`: a pose moved by a fraction of the chain, 0 to 1. Raises `PoseError`.
+    /// `(4, 4)`: a pose moved by a fraction of the chain, 0 to 1. Raises `PoseError`, `OptionError`.
     #[pyo3(signature = (pose, fraction = Fraction(1.0)), text_signature = "($self, pose, fraction=1.0)")]
     fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: Fraction) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(pose_array(py, &self.core.at(&pose.0, fraction.0).map_err(to_py)?))

@@ -11,9 +11,10 @@ use crate::errors::{raise, to_py};
 
 /// A rotation about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
 ///
-/// `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
-/// most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
-/// left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or too large.
+/// `axis`: a direction, no number beyond 1e100; `point`: on the axis, metres; `angle`: radians, right-handed about
+/// the axis, at most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge,
+/// negative for a left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or
+/// too large.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Screw {
     pub core: core::Screw,
@@ -92,7 +93,7 @@ impl Screw {
         Screw { core: self.core.reversed() }
     }
 
-    /// `(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`.
+    /// `(4, 4)`: a pose moved by a fraction of the screw, 0 to 1. Raises `PoseError`, `OptionError`.
     #[pyo3(signature = (pose, fraction = Fraction(1.0)), text_signature = "($self, pose, fraction=1.0)")]
     fn at<'py>(&self, py: Python<'py>, pose: PoseArgument, fraction: Fraction) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(pose_array(py, &self.core.at(&pose.0, fraction.0).map_err(to_py)?))
@@ -135,6 +136,6 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Fraction {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        checked(object.py(), "check_number", ("fraction", object, "a number, 0 to 1")).map(Fraction)
+        checked(object.py(), "check_fraction", ("fraction", object)).map(Fraction)
     }
 }

@@ -35,6 +35,13 @@ pub const LONGEST_MITRE: f64 = 4.0;
 /// whatever way the face is turned. Larger: facets at angles of milliradians move by less than they should.
 pub const MITRE_ADDED: f64 = 1e-5;
 
+/// A corner moves with all faces at it where each goes inwards by this share of what it should. Larger: corners are split that move almost
+/// as they should.
+pub const LEAST_INWARDS: f64 = 0.5;
+
+/// Most concave edges at a vertex at which its corner is split. More: noise in scans is split, which takes long.
+pub const MOST_ARCS: usize = 32;
+
 /// How far before the end of its play a seated part stops along its way, metres: an eighth of `FLUSH_PLAY`. Smaller: motions that start
 /// there may be blocked.
 pub const SEAT_REST: f64 = 1.25e-7;

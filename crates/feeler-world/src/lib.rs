@@ -42,6 +42,7 @@
 
 mod ask;
 mod constants;
+mod deeper;
 mod environment;
 mod error;
 mod seats;

@@ -1,7 +1,7 @@
 //! A tool, the bodies around it, and its seats at the start.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use feeler_contacts::{ContactSolver, Manifold, Manifolds};
 use feeler_core::geometry::vectors::{length, scaled, sub};
@@ -37,6 +37,8 @@ pub struct Surroundings {
     pub(crate) through: Vec<Vec<Point>>,
     /// By body: triangles of sunk parts, and a point of each (tool frame) that is inside the neighbour at the start.
     pub(crate) samples: Vec<Vec<(u32, Point)>>,
+    /// By body: its parts that are in the tool at the start, and the depth by points, metres.
+    pub(crate) start_depths: OnceLock<Vec<Vec<(u32, f64)>>>,
     /// Each way of being seated once.
     known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
 }
@@ -107,6 +109,7 @@ impl Surroundings {
             least_sunk: f64::INFINITY,
             through: Vec::new(),
             samples: Vec::new(),
+            start_depths: OnceLock::new(),
             tool,
             known: Mutex::default(),
         }

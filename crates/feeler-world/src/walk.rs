@@ -177,7 +177,7 @@ impl Surroundings {
             let end = first.map_or(1.0, |(end, _)| end);
             let soon = FIRST_SAMPLE * self.least_sunk.max(4.0 * SEAT_TOLERANCE) / motion.longest_way();
             for time in [soon, 1.0 / steps] {
-                if let Some(stop) = self.too_deep(seated, &motion.at(end.min(time)))? {
+                if let Some(stop) = self.too_deep(seated, &motion.at(end.min(time)), options.go_on)? {
                     return stopped(0.0, stop);
                 }
             }
@@ -226,7 +226,7 @@ impl Surroundings {
                 }
                 let time = (f64::from(step) / steps).min(end);
                 let pose = motion.at(time);
-                if let Some(stop) = if measures { self.too_deep(seated, &pose)? } else { None } {
+                if let Some(stop) = if measures { self.too_deep(seated, &pose, options.go_on)? } else { None } {
                     return stopped(last, stop);
                 }
                 if time >= end {
@@ -252,9 +252,9 @@ impl Surroundings {
     }
 
     /// The pairs that are deeper than they may be: sunk parts, and by how much all may overlap.
-    fn too_deep(&self, seated: &Seated, pose: &Pose) -> Result<Option<Stop>> {
+    fn too_deep(&self, seated: &Seated, pose: &Pose, go_on: GoOn<'_>) -> Result<Option<Stop>> {
         for (number, asked) in seated.bodies.iter().enumerate() {
-            if let Some(part) = self.too_deep_in(number, asked, pose)? {
+            if let Some(part) = self.too_deep_in(number, asked, pose, go_on)? {
                 let part = self.environment.bodies[number].part_in_mockup(part);
                 return Ok(Some(Stop { part, pair: None, is_seat: true }));
             }
@@ -263,13 +263,16 @@ impl Surroundings {
     }
 
     /// The part of one body.
-    fn too_deep_in(&self, body: usize, asked: &SeatedBody, pose: &Pose) -> Result<Option<u32>> {
+    fn too_deep_in(&self, body: usize, asked: &SeatedBody, pose: &Pose, go_on: GoOn<'_>) -> Result<Option<u32>> {
         let tool = &self.tool;
         if let Some(sunk) = &asked.sunk {
             for plane in self.planes_of_sunk(body, sunk, pose)? {
                 if self.moved_at(&plane, pose).is_some_and(|(_, by)| by < -SEAT_TOLERANCE) {
                     return Ok(Some(plane.part));
                 }
+            }
+            if let Some(part) = self.deeper_than_at_start(body, sunk, pose, go_on)? {
+                return Ok(Some(part));
             }
             let pairs = self.sunk_pairs(body, sunk.scene(), pose);
             let inside = self.samples_inside(body, sunk.scene(), pose)?;
@@ -278,10 +281,16 @@ impl Surroundings {
                 return Ok(outside);
             }
         }
-        if self.overlap > 0.0 && asked.ordinary.scene().is_colliding(tool, pose) {
-            let contacts = asked.ordinary.contacts(tool, pose, 0.0, None)?;
-            let deepest = contacts.planes.first().filter(|plane| -plane.gap > self.overlap + SEAT_TOLERANCE);
-            return Ok(deepest.map(|plane| plane.part));
+        if self.overlap > 0.0 {
+            if asked.ordinary.scene().is_colliding(tool, pose) {
+                let contacts = asked.ordinary.contacts(tool, pose, 0.0, None)?;
+                let deepest = contacts.planes.first().filter(|plane| -plane.gap > self.overlap + SEAT_TOLERANCE);
+                if let Some(plane) = deepest {
+                    return Ok(Some(plane.part));
+                }
+            }
+            // What is thinner than the walls around it is in them without a crossing, or behind none of their planes.
+            return self.deeper_than_the_overlap(body, &asked.ordinary, pose, go_on);
         }
         Ok(None)
     }

@@ -520,7 +520,7 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
     out.print()
     outputs.print_table(
         out,
-        "Steps" if has_order else "Ways out",
+        "Steps" if has_order else "Ways out" if ends_out else "Ways in",
         [
             *([("step", "right")] if has_order else []),
             *(("part", "left"), ("way", "left"), ("length", "right"), ("turned", "right")),

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Contacts
-from feeler.depths import deepest
+from feeler.depths import deepest_within
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
@@ -70,6 +70,9 @@ DEPTH_SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.3, 1.6, 2
 between."""
 DEPTHS_AT_ONCE = 4
 """Parts whose depth is measured between two looks at the clock: each may take a second."""
+DEPTHS_SHARE, LEAST_DEPTHS_S = 0.1, 0.25
+"""The most time for these, as a share of all and in seconds: of faces that lie on each other and are cut by rounding it
+may take for ever."""
 SAME_COSINE = 1.0 - 1e-8
 """Directions closer than this are one: 0.1 mrad."""
 SAME_LABEL = 1e-6
@@ -623,7 +626,7 @@ class Mover:
         """Whether it enters parts deeper; of those alone that were decided before the time is up."""
         goes_on, way = self.graph.clock.goes_on, self._far(direction)
         new = self._depths([part for part in parts if part not in self._at_start], np.eye(4))
-        if not goes_on():
+        if new is None or not goes_on():
             return {}
         self._at_start.update({part: new.get(part, 0.0) for part in parts if part not in self._at_start})
         limits = {part: DEEPER_M + (1.0 + DEEPER_SHARE) * self._at_start[part] for part in parts}
@@ -633,18 +636,23 @@ class Mover:
             if not left or share * self.size > way:
                 break
             depths = self._depths(left, self._moved(direction, share * self.size))
+            if depths is None:
+                return found
             found |= {part: True for part in left if depths.get(part, 0.0) > max(limits[part], self.graph.overlap)}
             left = [part for part in left if part not in found]
             if not goes_on():
                 return found
         return found | dict.fromkeys(left, False)
 
-    def _depths(self, parts: list[int], pose: Floats) -> dict[int, float]:
-        """The depth in each of a few parts that it is in; of none if the time is up before they are measured."""
+    def _depths(self, parts: list[int], pose: Floats) -> dict[int, float] | None:
+        """The depth in each of a few parts that it is in; None if that takes longer than its share of the time: the
+        parts do not count then, until `removal` meets them."""
         if not parts:
             return {}
-        self.graph.clock.look()
-        return deepest(self.rest.only(parts), self.tool, pose, self.graph.clock.left)
+        clock = self.graph.clock
+        clock.look()
+        most = max(LEAST_DEPTHS_S, DEPTHS_SHARE * clock.seconds)
+        return deepest_within(self.rest.only(parts), self.tool, pose, min(clock.left, most))
 
     def _moved(self, direction: Direction, by: float) -> Floats:
         pose = np.eye(4)

@@ -19,8 +19,6 @@ STRAIGHT_RAD = 1e-6
 """A leg with a smaller rotation is straight."""
 STILL_M = 1e-9
 """A leg whose middle moves less is a rotation in place."""
-AXIS_SHARE = 0.999
-"""A direction at least this close (cosine) to a world axis is named after it."""
 _UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"))
 
 
@@ -114,11 +112,12 @@ def _unit(vector: npt.NDArray[np.float64]) -> tuple[float, float, float]:
 
 
 def _named(direction: tuple[float, float, float]) -> str:
-    """A world axis by its name, any other direction in numbers."""
-    largest = max(range(3), key=lambda axis: abs(direction[axis]))
-    if abs(direction[largest]) >= AXIS_SHARE:
-        return ("-" if direction[largest] < 0.0 else "+") + "xyz"[largest]
-    return "({:.2f}, {:.2f}, {:.2f})".format(*(number + 0.0 for number in direction))
+    """A world axis by its name, where two decimals show no other direction; else these."""
+    rounded = [round(number, 2) + 0.0 for number in direction]
+    largest = max(range(3), key=lambda axis: abs(rounded[axis]))
+    if sorted(map(abs, rounded)) == [0.0, 0.0, 1.0]:
+        return ("-" if rounded[largest] < 0.0 else "+") + "xyz"[largest]
+    return "({:.2f}, {:.2f}, {:.2f})".format(*rounded)
 
 
 def _length(metres: float) -> str:

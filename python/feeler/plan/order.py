@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
-from feeler.errors import MeshError
+from feeler.errors import MeshError, OptionError
 from feeler.field_docs import documented
 from feeler.mockup import Tool
 from feeler.parts import PartsLike
@@ -137,7 +137,8 @@ def removal_order(
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
     random trees as well; so are `parts` before it is said that others have to go.
 
-    Raises the errors of `feeler.removal`; Ctrl-C ends it with `RemovalOrderInterrupted`, which has the best attempt.
+    Raises the errors of `feeler.removal`, and `OptionError` for parts that are in `keep` too. Ctrl-C
+    ends it with `RemovalOrderInterrupted`, which has the best attempt.
     """
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     check_progress(progress)
@@ -150,7 +151,10 @@ def removal_order(
     if not isinstance(tool, (Tool, type(None))):
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
     wanted = tuple(int(each) for each in scene.mockup.parts.select(parts))
-    kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist()).difference(wanted)
+    kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
+    for part in sorted(kept.intersection(wanted)):
+        path = scene.mockup.part_paths[part]
+        raise OptionError(f"part {path!r} is wanted and kept: leave it out of parts or of keep")
     question = Question(
         scene,
         wanted,

@@ -13,7 +13,7 @@ from feeler.ignored import IgnoredPairs
 from feeler.plan.blocked import Blocker
 from feeler.plan.gloves import wide_swings
 from feeler.plan.reach import Reach, worst_first
-from feeler.plan.swings import Swing, Swings, turned, uncovered
+from feeler.plan.swings import FINEST_DEG, Swing, Swings, turned, uncovered
 from feeler.plan.tool_seat import SeatedTool, ignoring
 from feeler.scene import Scene
 from feeler.stopping import check_stop
@@ -125,7 +125,7 @@ class ReachQuestion:
         if best is None and search.is_strict:
             return f"no swing of {search.needed:g} degrees is free{glove}"
         if best is None:
-            return f"no seat is free{glove}" if glove else "the tool collides at every angle"
+            return f"no seat is free{glove}" if glove else f"no swing of {FINEST_DEG:g} degrees or more is free"
         enough = "" if best.span >= search.needed else f", of {search.needed:g} that are needed"
         looked, came = f"{1e3 * search.approach:g} mm", f"{1e3 * drawn:.3g} mm"
         if found is None and enough and search.is_strict:

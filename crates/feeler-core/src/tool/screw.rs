@@ -20,8 +20,8 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// About `axis` (of any length) through `point` (metres), by `angle` (radians, right-handed, negative the other way round); `pitch`:
-    /// metres along the axis for a whole turn, 0 for a hinge, negative for a left-handed thread.
+    /// About `axis` (of any length up to 1e100) through `point` (metres), by `angle` (radians, right-handed, negative the other way
+    /// round); `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a left-handed thread.
     ///
     /// Errors: an axis without a direction, numbers that are not finite or too large, more than a thousand turns.
     pub fn new(axis: &Point, point: &Point, angle: f64, pitch: f64) -> Result<Screw> {

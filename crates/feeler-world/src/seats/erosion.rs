@@ -11,6 +11,7 @@ use feeler_contacts::ContactSolver;
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{weld_vertices, Aabb, Point, Pose, Tool};
 
+use super::fans::{fans, Fans};
 use crate::constants::{
     EROSION_SHARE, EROSION_STEP, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ADDED, MOST_EROSIONS,
     SEAT_TOLERANCE,
@@ -192,11 +193,11 @@ fn depths(
 
 /// The corners of a part, and the faces that meet at each.
 struct Corners {
-    /// By vertex of the part.
+    /// By corner: those of a vertex that needs several are split.
     places: Vec<Point>,
     faces: Vec<[u32; 3]>,
     surfaces: usize,
-    /// By vertex: normals outwards, those alike once, with their surfaces.
+    /// By corner: normals outwards, those alike once, with their surfaces.
     normals: Vec<Vec<(Point, Vec<u32>)>>,
 }
 
@@ -209,16 +210,22 @@ impl Corners {
         let all: Vec<Point> = own.iter().flat_map(|t| mesh.triangle(*t)).collect();
         let (places, corners) = weld_vertices(&all);
         let faces: Vec<[u32; 3]> = corners.chunks(3).map(|corner| [corner[0], corner[1], corner[2]]).collect();
-        let mut normals: Vec<Vec<(Point, Vec<u32>)>> = vec![Vec::new(); places.len()];
-        for ((t, face), surface) in own.iter().zip(&faces).zip(&surface) {
+        let outward = |(t, face): (&u32, &[u32; 3])| {
             let [a, b, c] = face.map(|v| places[v as usize]);
-            let Some(normal) = unit(&cross(&sub(&b, &a), &sub(&c, &a))) else { continue };
-            let normal = if adjacency.outward[*t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
+            let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a)))?;
+            Some(if adjacency.outward[*t as usize] < 0 { scaled(&normal, -1.0) } else { normal })
+        };
+        let of_faces: Vec<Option<Point>> = own.iter().zip(&faces).map(outward).collect();
+        let Fans { faces, vertices } = fans(&places, &faces, &of_faces);
+        let places: Vec<Point> = vertices.iter().map(|v| places[*v as usize]).collect();
+        let mut normals: Vec<Vec<(Point, Vec<u32>)>> = vec![Vec::new(); places.len()];
+        for ((normal, face), surface) in of_faces.iter().zip(&faces).zip(&surface) {
+            let Some(normal) = normal else { continue };
             for v in face {
                 let known = &mut normals[*v as usize];
-                match known.iter_mut().find(|(other, _)| dot(other, &normal) >= FACE_ANGLE_COS) {
+                match known.iter_mut().find(|(other, _)| dot(other, normal) >= FACE_ANGLE_COS) {
                     Some((_, of)) => of.push(*surface),
-                    None => known.push((normal, vec![*surface])),
+                    None => known.push((*normal, vec![*surface])),
                 }
             }
         }
@@ -263,8 +270,16 @@ impl Corners {
             let [a, b, c] = face.map(|v| places[v as usize]);
             cross(&sub(&b, &a), &sub(&c, &a))
         };
+        // Those between corners of one vertex have no side.
+        let is_narrow = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|v| self.places[v as usize]);
+            a == b || b == c || c == a
+        };
         for at in 0..faces.len() {
             let face = faces[at];
+            if is_narrow(&face) {
+                continue;
+            }
             if dot(&normal(&face, moved), &normal(&face, &self.places)) > 0.0 {
                 continue;
             }
@@ -273,7 +288,8 @@ impl Corners {
             let Some(k) = (0..3).max_by(|i, j| long(*i).total_cmp(&long(*j))) else { continue };
             let [a, c, middle] = [face[k], face[(k + 1) % 3], face[(k + 2) % 3]];
             let has = |other: &[u32; 3]| (0..3).any(|i| [other[i], other[(i + 1) % 3]] == [c, a]);
-            let Some(beside) = faces.iter().position(has) else { continue };
+            let is_beside = |other: &[u32; 3]| has(other) && !is_narrow(other);
+            let Some(beside) = faces.iter().position(is_beside) else { continue };
             let Some(far) = faces[beside].into_iter().find(|v| *v != a && *v != c) else { continue };
             (faces[at], faces[beside]) = ([a, far, middle], [far, c, middle]);
         }
@@ -281,10 +297,16 @@ impl Corners {
     }
 }
 
-/// The shortest vector with given components along normals, or as nearly as can be; no longer than the longest mitre of the greatest.
+/// The way of a corner whose faces move inwards, no longer than the longest mitre of the farthest.
 fn mitre(faces: &[(Point, f64)]) -> Point {
-    // Regularized least squares: flat corners would make the system singular. A second step on the residual removes the bias.
     let most = faces.iter().map(|(_, by)| by.abs()).fold(0.0, f64::max);
+    let moved = inwards(faces);
+    scaled(&moved, (LONGEST_MITRE * most / length(&moved).max(f64::MIN_POSITIVE)).min(1.0))
+}
+
+/// The shortest vector with given components along normals, or as nearly as can be.
+pub fn inwards(faces: &[(Point, f64)]) -> Point {
+    // Regularized least squares: flat corners would make the system singular. A second step on the residual removes the bias.
     let rows: [Point; 3] = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             faces.iter().map(|(n, _)| n[i] * n[j]).sum::<f64>() + if i == j { MITRE_ADDED } else { 0.0 }
@@ -302,10 +324,11 @@ fn mitre(faces: &[(Point, f64)]) -> Point {
         add(from, &std::array::from_fn(with))
     };
     let moved = step(&step(&[0.0; 3]));
-    if !moved.iter().all(|x| x.is_finite()) {
-        return [0.0; 3];
+    if moved.iter().all(|x| x.is_finite()) {
+        moved
+    } else {
+        [0.0; 3]
     }
-    scaled(&moved, (LONGEST_MITRE * most / length(&moved).max(f64::MIN_POSITIVE)).min(1.0))
 }
 
 #[cfg(test)]

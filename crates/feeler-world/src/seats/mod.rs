@@ -1,6 +1,7 @@
 //! Seats: the contacts at the tool's start, surface by surface, and the contacts allowed until they have separated.
 
 mod erosion;
+mod fans;
 mod find;
 mod place;
 mod seated;
