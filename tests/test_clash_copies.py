@@ -113,3 +113,17 @@ def test_rules_and_saved_findings_keep_duplicates(tmp_path: Path) -> None:
     for each in (feeler.clash(mockup, rules=rules), found.with_rules(rules), kept.with_rules(rules)):
         (row,) = each
         assert (row.verdict, row.depth, row.depth_error) == ("duplicate", 0.0, found[0].depth_error)
+
+
+@pytest.mark.parametrize("ending", ["glb", "stl"])
+def test_what_is_flush_from_inside_in_a_file_is_contained(tmp_path: Path, ending: str) -> None:
+    for name, inner in {
+        "a face": box((0.2, 0.2, 0), (0.8, 0.6, 0.5)),
+        "three faces": box((0, 0, 0), (0.5, 0.5, 0.5)),
+        "both ends": box((0.2, 0.2, 0), (0.4, 0.4, 0.6)),
+    }.items():
+        for seed in range(4):
+            (tmp_path / f"{name} {seed}").mkdir()
+            parts = {"outer": placed(UNIT, seed), "inner": placed(inner, seed)}
+            (row,) = feeler.clash(loaded(tmp_path / f"{name} {seed}", ending, parts))
+            assert row.verdict == feeler.Verdict.CONTAINED, (name, seed)

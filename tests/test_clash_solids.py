@@ -58,6 +58,13 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
         Verdict.CLASH,
         0.1 * 3**0.5,
     ),
+    "a hollow solid, and all of its outside": (box((-1, -1, -1), (2, 2, 2)), HOLLOW, Verdict.CONTAINED, 1.0),
+    "a thinner wall of the same outside": (
+        joined(box((-1, -1, -1), (2, 2, 2)), inverted(box((-0.5, -0.5, -0.5), (1.5, 1.5, 1.5)))),
+        HOLLOW,
+        Verdict.CONTAINED,
+        0.5,
+    ),
     "a hollow solid inside": (box((-2, -2, -2), (3, 3, 3)), HOLLOW, Verdict.CONTAINED, 2.0),
     "a shell in a wall, around its hollow": (
         joined(box((-2, -2, -2), (3, 3, 3)), inverted(SOLID)),

@@ -134,6 +134,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "seats": {"constants", "error", "surfaces"},
         # The tool among the bodies, with its seats.
         "surroundings": {"constants", "error", "environment", "seats"},
+        # How much deeper what is shallow gets.
+        "deeper": {"constants", "error", "seats", "surroundings"},
         # Parts without holes.
         "sunk": {"constants", "error", "environment", "seats", "surroundings"},
         # Motions as far as they are free.

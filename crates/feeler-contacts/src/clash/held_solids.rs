@@ -70,8 +70,13 @@ pub fn is_holding_a_solid(solids: &Solids<'_>, parts: [u32; 2], bodies: [&Body; 
 }
 
 /// Whether a solid of one of two closed parts, of which no triangles cross, is filled by the other beyond a hollow: the wall of the hollow
-/// is inside the other, and its outer surface is not. `bodies`: makes those of the parts.
-pub fn is_overfilled(solids: &Solids<'_>, parts: [u32; 2], bodies: impl FnOnce() -> [Arc<Body>; 2]) -> bool {
+/// is inside the other, and its outer surface is not, by more than `within`, metres. `bodies`: makes those of the parts.
+pub fn is_overfilled(
+    solids: &Solids<'_>,
+    parts: [u32; 2],
+    within: f64,
+    bodies: impl FnOnce() -> [Arc<Body>; 2],
+) -> bool {
     let box_of = |i: usize| &solids.mockup().part_bounds()[parts[i] as usize];
     let may_be = |i: usize| {
         let solid = solids.of(parts[i]);
@@ -84,10 +89,12 @@ pub fn is_overfilled(solids: &Solids<'_>, parts: [u32; 2], bodies: impl FnOnce()
     }
     let bodies = bodies();
     asked.into_iter().any(|i| {
-        let is_in_other = |p: &Point| is_inside(&bodies[1 - i], p);
-        pieces(&solids.of(parts[i])).iter().any(|piece| {
-            let inside = piece.corners.iter().filter(|p| is_in_other(p)).count();
-            piece.is_solid && inside > 0 && inside < piece.corners.len()
+        let (solid, other) = (solids.of(parts[i]), &*bodies[1 - i]);
+        pieces(&solid).iter().any(|piece| {
+            let has_hollows = piece.is_solid && piece.corners.len() > 1;
+            has_hollows
+                && piece.corners.iter().any(|p| is_inside(other, p))
+                && !is_holding([&body_of(&solid, &piece.triangles), other], within)
         })
     })
 }

@@ -111,7 +111,8 @@ impl Judge<'_> {
     /// is larger than the hollow that it fills is not contained.
     fn of_held(&self, parts: [u32; 2]) -> Verdict {
         if parts.iter().all(|part| self.solids.of(*part).is_closed()) {
-            return if is_overfilled(self.solids, parts, || self.bodies_of(parts)) {
+            let within = self.limits.copies_within(parts[0], parts[1]);
+            return if is_overfilled(self.solids, parts, within, || self.bodies_of(parts)) {
                 self.of_overlap(parts)
             } else {
                 Verdict::Contained
@@ -166,9 +167,14 @@ impl Judge<'_> {
             return None;
         }
         let [p, q] = self.boxes_of(parts);
-        // Loose seams make a surface as uneven as they are wide.
-        let [within_a, within_b] = [&a, &b].map(|body| rounding.max(SEAM_EXCESS * body.looseness()));
-        let least = |within: f64| if within > rounding { SEAM_EXCESS * within } else { 0.0 };
+        // Loose seams make a surface as uneven as they are wide, and rounding in a file as much as copies may differ.
+        let filed = rounding.max(self.limits.copies_within(parts[0], parts[1]));
+        let [within_a, within_b] = [&a, &b].map(|body| filed.max(SEAM_EXCESS * body.looseness()));
+        let least = |within: f64| match within {
+            _ if within > filed => SEAM_EXCESS * within,
+            _ if filed > rounding => filed,
+            _ => 0.0,
+        };
         let is_held = || {
             let is_in_other = |[p, q]: [&Aabb; 2], pair: [&Body; 2], within: f64| {
                 is_in(p, q, within) && is_holding(pair, within) && is_deeper(pair, least(within))

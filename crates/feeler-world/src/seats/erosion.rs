@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
-use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
+use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub, unit};
 use feeler_core::{weld_vertices, Aabb, Point, Pose, Tool};
 
 use super::fans::{fans, Fans};
+use super::inwards::inwards;
 use crate::constants::{
-    EROSION_SHARE, EROSION_STEP, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ADDED, MOST_EROSIONS,
-    SEAT_TOLERANCE,
+    EROSION_SHARE, EROSION_STEP, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MOST_EROSIONS, SEAT_TOLERANCE,
 };
 use crate::error::Result;
 use crate::surfaces::Surfaces;
@@ -302,33 +302,6 @@ fn mitre(faces: &[(Point, f64)]) -> Point {
     let most = faces.iter().map(|(_, by)| by.abs()).fold(0.0, f64::max);
     let moved = inwards(faces);
     scaled(&moved, (LONGEST_MITRE * most / length(&moved).max(f64::MIN_POSITIVE)).min(1.0))
-}
-
-/// The shortest vector with given components along normals, or as nearly as can be.
-pub fn inwards(faces: &[(Point, f64)]) -> Point {
-    // Regularized least squares: flat corners would make the system singular. A second step on the residual removes the bias.
-    let rows: [Point; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            faces.iter().map(|(n, _)| n[i] * n[j]).sum::<f64>() + if i == j { MITRE_ADDED } else { 0.0 }
-        })
-    });
-    let determinant = dot(&rows[0], &cross(&rows[1], &rows[2]));
-    let step = |from: &Point| -> Point {
-        let left = |(n, by): &(Point, f64)| scaled(n, by - dot(n, from));
-        let sum = faces.iter().map(left).fold([0.0; 3], |sum, n| add(&sum, &n));
-        let with = |at: usize| {
-            let column = |k: usize| rows.map(|row| row[k]);
-            let columns: [Point; 3] = std::array::from_fn(|k| if k == at { sum } else { column(k) });
-            dot(&columns[0], &cross(&columns[1], &columns[2])) / determinant
-        };
-        add(from, &std::array::from_fn(with))
-    };
-    let moved = step(&step(&[0.0; 3]));
-    if moved.iter().all(|x| x.is_finite()) {
-        moved
-    } else {
-        [0.0; 3]
-    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub, unit};
 use feeler_core::Point;
 
-use super::erosion::inwards;
+use super::inwards::inwards;
 use crate::constants::{FACE_ANGLE_COS, LEAST_INWARDS, MOST_ARCS};
 
 /// Faces by their corners.

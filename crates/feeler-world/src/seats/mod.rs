@@ -3,6 +3,7 @@
 mod erosion;
 mod fans;
 mod find;
+mod inwards;
 mod place;
 mod seated;
 
