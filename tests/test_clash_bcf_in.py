@@ -6,6 +6,7 @@ import json
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Literal
 from xml.etree import ElementTree
 
 import pytest
@@ -110,6 +111,51 @@ def test_an_approval_holds_for_the_depth_that_the_file_says(
         assert found.marks.of(found.ids[0]).approved_depth == pytest.approx(0.1, rel=1e-3)
     else:
         assert "approved at 0.1 m" in found.marks.of(found.ids[0]).note
+
+
+def bolts(*holes: int, root: str = "a") -> feeler.Mockup:
+    """A plate, and a bolt in each hole, numbered from 0; each hole has bolts of its own size."""
+    sizes = {f"{root}/bolt_{n}": (1 + 5 * hole, 0.1 + 0.02 * hole) for n, hole in enumerate(holes)}
+    boxes = {name: box((x, 0.2, 0.5), (x + size, 0.2 + size, 2)) for name, (x, size) in sizes.items()}
+    return mockup_of({f"{root}/plate": box((0, 0, 0), (100, 1, 1)), **boxes})
+
+
+def by_hole(found: feeler.Clashes) -> dict[int, tuple[str, str]]:
+    return {int(row.point_a[0] // 5): (row.status, row.note) for row in found}
+
+
+@pytest.mark.parametrize("by", ["part", "cluster"])
+def test_topics_follow_the_match_of_the_previous_check(tmp_path: Path, by: Literal["part", "cluster"]) -> None:
+    before = feeler.clash(bolts(0, 1, 2))
+    write_bcf(tmp_path / "out.bcf", before, bolts(0, 1, 2), by=by)
+    (chosen,) = [row.id for row in before if int(row.point_a[0] // 5) == 1]
+    before.set_status(chosen, "approved", note="hole 1")
+    write_bcf(tmp_path / "out.bcf", before, bolts(0, 1, 2), by=by)
+    topics = read_bcf(tmp_path / "out.bcf")
+    # Deleted and numbered anew, in another order, all but one deleted, and with another root.
+    for world, expected in (
+        (bolts(1, 2), {1: ("approved", "hole 1"), 2: ("new", "")}),
+        (bolts(2, 0, 1), {0: ("new", ""), 1: ("approved", "hole 1"), 2: ("new", "")}),
+        (bolts(2), {2: ("new", "")}),
+        (bolts(0, 1, 2, root="b"), {0: ("new", ""), 1: ("approved", "hole 1"), 2: ("new", "")}),
+    ):
+        previous = feeler.clash(bolts(0, 1, 2))
+        previous.save(tmp_path / "last.json")
+        now = feeler.clash(world)
+        now.diff(feeler.load_clashes(tmp_path / "last.json"))
+        apply_bcf(now, topics)
+        status = {hole: (mark if mark[0] == "approved" else ("new", mark[1])) for hole, mark in by_hole(now).items()}
+        assert status == expected
+
+
+def test_a_topic_that_nobody_touched_leaves_later_decisions(tmp_path: Path) -> None:
+    found = feeler.clash(bolts(0, 1))
+    write_bcf(tmp_path / "out.bcf", found, bolts(0, 1))
+    found.set_status(found.ids[0], "approved", note="later")
+    apply_bcf(found, read_bcf(tmp_path / "out.bcf"))
+    assert found[0].status == "approved" and found[0].note == "later"
+    apply_bcf(found, read_bcf(edited(tmp_path / "out.bcf", "Active")))
+    assert found[0].status == "active"
 
 
 def test_statuses_and_comments_come_back(tmp_path: Path) -> None:

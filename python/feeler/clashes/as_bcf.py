@@ -18,10 +18,10 @@ from xml.etree import ElementTree
 from feeler.arguments import check_kind, check_progress, check_text, check_whole
 from feeler.atomic import atomic_file
 from feeler.choices import GroupBy
-from feeler.clashes.bcf_notes import SYSTEM, comment_of, further_text, seen_text
+from feeler.clashes.bcf_notes import SYSTEM, comment_of, further_text, seen_text, written_text
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.table import Clash
-from feeler.clashes.tracking import Mark, derived_id
+from feeler.clashes.tracking import Mark, check_of, derived_id
 from feeler.clashes.verdict import SEVERITIES, Verdict
 from feeler.clashes.words import sentence, title
 from feeler.mockup import Mockup
@@ -166,6 +166,7 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
     lines = [f"{sentence(clash)} ({clash.path_a}; {clash.path_b}; {said})" for clash, said in first]
     if len(members) > MOST_LINES:
         lines.append(f"... and {len(members) - MOST_LINES:,} more")
+    lines.append(written_text(status, check_of(clashes.ids, (clashes.points_a, clashes.points_b))))
     files = [
         _element("File", {"IsExternal": "true"}, _element("Filename", {}, _file_name(file)))
         for file in clashes.facts.files

@@ -20,9 +20,9 @@ from xml.parsers import expat
 
 from feeler.arguments import check_kind, check_length, check_list, check_path
 from feeler.choices import GROUPS_BY, Status
-from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, Seen, is_further, note_of, seen_in
+from feeler.clashes.bcf_notes import LONGEST_NOTE, SYSTEM, FindingNote, Seen, is_further, note_of, seen_in, written_in
 from feeler.clashes.result import Clashes
-from feeler.clashes.tracking import DEPTH_GROWTH_M, Found, Mark, derived_id, outgrown
+from feeler.clashes.tracking import DEPTH_GROWTH_M, Found, Mark, check_of, derived_id, outgrown
 from feeler.errors import LoadError, MissingFileError
 from feeler.field_docs import documented
 
@@ -47,6 +47,8 @@ _STATUSES: dict[str, Status] = {
     **dict.fromkeys(("approved", "accepted", "ignored", "not an issue", "void"), "approved"),
 }
 """What the words of trackers mean here. Whether a resolved clash is gone, the next check finds."""
+_RANKS = {"active": 1, "reviewed": 2, "approved": 2}
+"""How far a finding is decided; others are not."""
 
 
 @documented
@@ -67,7 +69,8 @@ class Topic:
 
     status: as the file has it. parts: the texts that name selected components, which are part paths in files of feeler.
     ids: the ids of findings that the description names, and the comment that goes on where it is cut. seen: of those,
-    the verdict and the signed depth, metres, that they had; None where the file does not say.
+    the verdict and the signed depth, metres, that they had; None where the file does not say. written, check: the
+    status that the topic had when feeler wrote it, and the check that it is of; empty where the file does not say.
     """
 
     guid: str
@@ -83,6 +86,8 @@ class Topic:
     parts: tuple[str, ...] = ()
     ids: tuple[str, ...] = ()
     seen: tuple[Seen, ...] = ()
+    written: str = ""
+    check: str = ""
 
 
 @documented
@@ -144,7 +149,8 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic], *, growth: float = DEPT
     A topic belongs to the findings that its description names. If it names none, it belongs to those of its group
     (`write_bcf` derives GUIDs from groups), else to those of the pair of parts that its viewpoint selects. An approval
     holds for the depth that the file says; as in `Clashes.diff`, it ends if a finding is `growth` metres deeper now, or
-    a duplicate. Comments become the note, newest last;
+    a duplicate. After `diff`, topics of the previous check go to the findings that it matched. A topic whose status
+    nobody changed leaves alone what was decided here since. Comments become the note, newest last;
     one that the note has already is not added again. A comment of `write_bcf` belongs to the one finding that it names;
     its status counts if the topic still has the status that it had then. A status without a counterpart here goes into
     the note. Statuses of trackers: open and new become new; active and in progress, active; resolved and closed,
@@ -159,9 +165,10 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic], *, growth: float = DEPT
         topic = check_kind("topics", topic, Topic, "a list of feeler.clashes.Topic")
         word = topic.status.strip().lower()
         own, topic = _split(replace(topic, comments=tuple(sorted(topic.comments, key=_time))))
+        own = {here: said for each, said in own.items() if (here := finder.here(topic, each)) is not None}
         is_untouched = any(said.topic == word for _, said in own.values())
-        found = tuple(dict.fromkeys((*finder.of(topic), *(each for each in own if finder.has(each)))))
-        seen = {each.finding: each for each in topic.seen}
+        found = tuple(dict.fromkeys((*finder.of(topic), *own)))
+        seen = {finder.here(topic, each.finding): each for each in topic.seen}
         if not found:
             unknown.append(topic)
         for each in found:
@@ -174,6 +181,8 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic], *, growth: float = DEPT
                 note = _joined([note, said.note])
                 if said.topic == word:
                     status, by = said.status, "" if author == SYSTEM else author
+            if topic.written == word and _RANKS.get(before.status, 0) > min(_RANKS.get(status or "new", 0), 1):
+                status = None  # it was decided here since
             after = replace(before, note=noted(note, topic))
             approval = _approval(seen.get(each)) if status == "approved" != before.status else None
             if approval is not None and (why := outgrown(approval, finder.found(each), growth)):
@@ -252,6 +261,8 @@ class _Finder:
 
     def __init__(self, clashes: Clashes) -> None:
         self._ids = set(clashes.ids)
+        self._marks = clashes.marks
+        self._check = check_of(clashes.ids, (clashes.points_a, clashes.points_b))
         self._row = {each: row for row, each in enumerate(clashes.ids)}
         self._found = clashes.found()
         self._groups: dict[str, tuple[str, ...]] = {}
@@ -264,17 +275,24 @@ class _Finder:
 
     def of(self, topic: Topic) -> tuple[str, ...]:
         """The ids of a topic's findings."""
-        named = tuple(each for each in topic.ids if each in self._ids)
+        named = [here for each in topic.ids if (here := self.here(topic, each)) is not None]
         if named:
-            return named
+            return tuple(dict.fromkeys(named))
+        if topic.ids and (topic.check or self._marks.former or topic.guid in self._groups):
+            return ()  # of findings that are gone, it says nothing of those that are in their place now
         if topic.guid in self._groups:
-            # Of findings that are gone, it says nothing of those that are in its group now.
-            return () if topic.ids else self._groups[topic.guid]
+            return self._groups[topic.guid]
         return tuple(self._pairs.get(frozenset(topic.parts), ()))
 
-    def has(self, each: str) -> bool:
-        """Whether a finding has this id."""
-        return each in self._ids
+    def here(self, topic: Topic, each: str) -> str | None:
+        """The id here of a finding that a topic names; None if it is gone, or if it is open which one it is."""
+        former = self._marks.former
+        if not former or topic.check == self._check:
+            return each if each in self._ids else None
+        moved = former.get(each, None if topic.check == self._marks.former_check else each)
+        if topic.check != self._marks.former_check and moved != each and each in self._ids:
+            return None
+        return moved if moved in self._ids else None
 
     def found(self, each: str) -> Found:
         """What `diff` compares of a finding."""
@@ -337,6 +355,7 @@ class _Archive:
         every = [_comment(each) for each in comments if each.said("Comment")]
         further = [each.text for each in every if is_further(each.text)]
         seen = seen_in("\n".join([description, *further]).lower())
+        written, check = written_in(description)
         return Topic(
             guid=topic.attributes.get("Guid", "").strip().lower() or member.split("/")[0],
             title=topic.said("Title"),
@@ -347,6 +366,8 @@ class _Archive:
             parts=self._parts(member, root),
             ids=tuple(each.finding for each in seen),
             seen=seen,
+            written=written,
+            check=check,
         )
 
     def _parts(self, member: str, root: _Element) -> tuple[str, ...]:

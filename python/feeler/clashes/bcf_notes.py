@@ -68,6 +68,20 @@ def seen_text(finding: str, found: Found) -> str:
     return f"{finding}; {found.verdict}, {found.depth!r} m" if math.isfinite(found.depth) else finding
 
 
+_WRITTEN = re.compile(rf"^status when written: ({_WORDS}), check ([0-9a-f]{{12}})\.?$", re.MULTILINE)
+
+
+def written_text(status: str, check: str) -> str:
+    """The last line of a description: the status of the topic, and the check (`check_of`) that it is of."""
+    return f"Status when written: {status}, check {check}."
+
+
+def written_in(description: str) -> tuple[str, str]:
+    """What `written_text` says in a description; empty where it does not."""
+    found = _WRITTEN.search(description.lower())
+    return (found[1], found[2]) if found else ("", "")
+
+
 def further_text(lines: Iterable[str]) -> str:
     """The text of the comment with the findings that a description does not list; from `seen_text`."""
     return "\n".join([_FURTHER, *lines])

@@ -14,7 +14,7 @@ from feeler.clashes.joining import joined
 from feeler.clashes.matching import PartMatch, matched
 from feeler.clashes.shapes import PartShapes, Shapes, shapes_of, unknown
 from feeler.clashes.table import AnyTable, Table
-from feeler.clashes.tracking import Mark, followed, part_keys
+from feeler.clashes.tracking import Mark, check_of, followed, part_keys
 from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 
@@ -93,10 +93,23 @@ def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
         both = waiting, resolved
         earlier = joined(both, [table.keys for table in both], waiting._shapes)
     now.marks.replace(marks)
+    now.marks.former, now.marks.former_check = (
+        _former(now, known[0]),
+        check_of(before.ids, (before.points_a, before.points_b)),
+    )
     ended = {*resolved.ids, *marks}
     now.marks.aside = {each: mark for each, mark in before.marks.aside.items() if each not in ended}
     now._set_earlier(earlier)
     return known[0].match()
+
+
+def _former(now: AnyTable, known: _Known[AnyTable]) -> dict[str, str | None]:
+    """The id here of each finding of the previous check; None if it is gone."""
+    keys = now.keys
+    rows = zip(now.ids, now.rules.tolist(), now.parts_a.tolist(), now.parts_b.tolist(), strict=True)
+    here = {_pair(rule, keys[a], keys[b]): each for each, rule, a, b in rows}
+    pairs = zip(known.table.ids, known.rows(), strict=True)
+    return {each: None if pair is None else here.get(pair) for each, (pair, _) in pairs}
 
 
 def _known(before: AnyTable, now: Shapes) -> list[_Known[AnyTable]]:

@@ -13,6 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, cast
 
+import numpy as np
+import numpy.typing as npt
+
 from feeler import choices
 from feeler.arguments import check_text, check_word
 from feeler.choices import Status, VerdictName
@@ -157,6 +160,13 @@ def derived_id(*words: str) -> str:
     return str(uuid.uuid5(_NAMESPACE, json.dumps(words)))
 
 
+def check_of(ids: Sequence[str], points: Sequence[npt.NDArray[np.float64]]) -> str:
+    """A short name of a check, by its findings and the points of both parts in any order; saving keeps it."""
+    places = np.stack(points, axis=1).round(6) + 0.0
+    rows = sorted((each, sorted(place)) for each, place in zip(ids, places.tolist(), strict=True))
+    return uuid.uuid5(_NAMESPACE, json.dumps(rows)).hex[:12]
+
+
 class Marks:
     """The status of each finding by id. Slices of a table share one instance. Ids without an entry are new.
 
@@ -167,6 +177,10 @@ class Marks:
     def __init__(self, marks: Mapping[str, Mark] | None = None, aside: Mapping[str, Mark] | None = None) -> None:
         self._by_id = dict(marks or {})
         self.aside: Mapping[str, Mark] = dict(aside or {})
+        self.former: Mapping[str, str | None] = {}
+        """By id in the last check that `Clashes.diff` compared with: the id here; None if it is gone."""
+        self.former_check = ""
+        """That check, as `check_of` names it."""
 
     def of(self, clash: str) -> Mark:
         """The mark of a finding."""
