@@ -19,6 +19,7 @@ from feeler.plan.fastener_forms import LESS_USUAL, is_domed, is_shaft, wing_scre
 from feeler.plan.fastener_rare import RARE
 from feeler.plan.fastener_view import (
     BORE_TO_FLATS,
+    CORNERS,
     FLAT_SOCKETS,
     HEAD_HEIGHTS,
     HEAD_TO_SHANK,
@@ -423,11 +424,13 @@ def _nut(
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
-    is_two_sided = below < 1.1 * above and not is_blind and is_wide_above == is_wide_below
+    # A narrower end says little: it may be a cone or a ball on its seat, a chamfer, or the collar of a lock nut.
+    has_flange = below >= 1.1 * above and below > CORNERS[body.sides][1] * body.radius
+    is_two_sided = not has_flange and not is_blind and is_wide_above == is_wide_below
     if max(above, below) > WIDEST_FLANGE * body.radius:
         return None  # a plate that a nut is welded to
     if above > 1.1 * below:
-        return None  # a flange: seen from the other end it is on the joint's side
+        return None  # seen from the other end: a flange is on the joint's side, and a narrow end rather outside
     # Slots of a castle nut are open above: they have a floor, with corners outside the bore.
     z, r = view.z.reshape(-1, 3), view.r.reshape(-1, 3)
     is_level = (np.ptp(z, axis=1) < 1e-6 * full) & (r.max(axis=1) > 1.15 * bore.radius)
