@@ -84,6 +84,8 @@ WIDEST_FLANGE = 2.0
 """The greatest radius of a nut's flange, relative to half its width across flats: 1.4 in the standards."""
 NUT_HEIGHT = (0.15, 2.05)
 """Height, relative to the width across flats: thin nuts to long ones."""
+LONG_NUT_HEIGHT = (NUT_HEIGHT[1], 5.0)
+"""The same of a longer nut that joins two rods."""
 PRISM_HEIGHT = (0.25, 1.0)
 """The same for a prism that represents a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
@@ -456,6 +458,17 @@ def _wide_nut(view: View) -> Found | None:
     return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
 
 
+def _long_nut(view: View) -> Found | None:
+    """A nut that is longer than those of the standards. Spacers look so too, so its name or two rods in it decide."""
+    found = _nut(view, heights=LONG_NUT_HEIGHT)
+    return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
+
+
+def is_long(looks: Looks) -> bool:
+    """Whether a shape is a nut that is longer than those of the standards."""
+    return looks.kind == "nut" and looks.is_known_by_name and looks.height > NUT_HEIGHT[1] * looks.across_flats
+
+
 def is_wide(looks: Looks) -> bool:
     """Whether a shape is a lock nut as far as it shows."""
     return looks.kind == "nut" and looks.is_known_by_name and looks.size > WIDE_NUT[0] * looks.across_flats
@@ -550,4 +563,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
-_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut, _long_nut)

@@ -10,7 +10,7 @@ import numpy as np
 from feeler.part_meshes import PartMeshes
 from feeler.plan.fasteners import NAMED, Fastener
 from feeler.scene import Scene
-from feeler.tasks.passing import in_bore
+from feeler.tasks.passing import in_bore, passed_by
 
 ROUND = 0.95
 """The least share of the widest that a round nut measures in any direction across its axis."""
@@ -19,12 +19,14 @@ _DIRECTIONS = 24
 
 def threaded_bodies(scene: Scene, rows: Sequence[Fastener]) -> set[int]:
     """The parts among fasteners that are known by name alone and are no fasteners: nuts that are neither prisms nor
-    round, and bolts on which a nut is whose axis is another."""
+    round, nuts that a shank is in across their axis, and bolts on which a nut is whose axis is another."""
     named = [row for row in rows if row.confidence <= NAMED and not row.drive]
     if not named:
         return set()
     meshes = PartMeshes(scene.mockup)
-    found = {row.part for row in named if row.kind == "nut" and not _is_round(meshes, row)}
+    nuts = {row.part: row for row in named if row.kind == "nut"}
+    found = {part for part, row in nuts.items() if not _is_round(meshes, row)}
+    found |= _crossed(scene, {part: row for part, row in nuts.items() if part not in found}, rows)
     bolts = {row.part: row for row in named if row.kind != "nut"}
     if not bolts:
         return found
@@ -33,11 +35,24 @@ def threaded_bodies(scene: Scene, rows: Sequence[Fastener]) -> set[int]:
         if nut.kind != "nut" or nut.part in found:
             continue
         for each in in_bore(alone, nut, meshes):
-            bolt = bolts[each.part]
-            off = np.cross(bolt.axis, nut.frame[:3, 3] - bolt.frame[:3, 3])
-            if abs(float(bolt.axis @ nut.axis)) < 0.99 or float(np.linalg.norm(off)) > 0.3 * nut.size:
+            if not _is_along(bolts[each.part], nut):
                 found.add(each.part)
     return found
+
+
+def _crossed(scene: Scene, nuts: dict[int, Fastener], rows: Sequence[Fastener]) -> set[int]:
+    """The nuts in which a shank is on another axis than theirs: barrel nuts, which have their thread across."""
+    shanks = [row for row in rows if row.kind != "nut"]
+    if not nuts or not shanks:
+        return set()
+    passed = zip(shanks, passed_by(scene.only(sorted(nuts)), shanks), strict=True)
+    return {each.part for shank, parts in passed for each in parts if not _is_along(nuts[each.part], shank)}
+
+
+def _is_along(row: Fastener, other: Fastener) -> bool:
+    """Whether a fastener is on the axis of another one."""
+    off = np.cross(row.axis, other.frame[:3, 3] - row.frame[:3, 3])
+    return abs(float(row.axis @ other.axis)) >= 0.99 and float(np.linalg.norm(off)) <= 0.3 * other.size
 
 
 def _is_round(meshes: PartMeshes, nut: Fastener) -> bool:
