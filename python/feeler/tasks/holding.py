@@ -305,8 +305,7 @@ class _Holding:
             is_on = (off < ON_AXIS * sizes) & (along > 0.99) & (local[:, 2] < 0.5 * sizes)
             is_on &= local[:, 2] > -lengths - 0.5 * _finite(nut.length)
             if is_on.any():
-                # Of two that a nut joins, the one with a head, else the one that is deeper in it, whichever is nearer by
-                # rounding.
+                # Of two that a nut joins, the one with a head, else the one that is deeper in it.
                 is_on &= off <= off[is_on].min() + PLAY * sizes
                 half = 0.5 * _finite(nut.length)
                 shared = np.minimum(local[:, 2] + half, 0.0) - np.maximum(local[:, 2] - half, -lengths)
