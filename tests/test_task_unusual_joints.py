@@ -258,3 +258,22 @@ def test_a_barrel_nut_has_its_thread_across_it(name: str) -> None:
         task = feeler.task(scene, "panel", keep="shelf")
         assert verbs(task) == [("undo", ("screw",)), ("take out", ("panel",))], task.blocked
         assert task.steps[0].strokes < 100  # 9 mm of M6 are in it, not 50 mm
+
+
+@pytest.mark.parametrize("name", ["rivet nut", "T-nut", "part 4"])
+def test_a_nut_that_is_pressed_into_a_sheet_stays_there(name: str) -> None:
+    """Its front is flush, so that the plate lies on it too; its flange is behind the sheet."""
+    outline = [(0.00202, 0.0), (0.00202, -0.006), (0.004, -0.006), (0.004, -0.0025), (0.003, -0.0025), (0.003, 0.0)]
+    pressed = plain(skin_loops([circle(radius, 32, z) for radius, z in outline], closed=True))
+    parts = {
+        "wall": ring(0.00301, -0.0025, 0.0),
+        "plate": ring(0.00225, 0.0, 0.005, 0.015),
+        name: pressed,
+        "screw": plain(hardware.cap_screw(0.004, 0.012, USUAL), at(z=0.005)),
+    }
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        row = only(feeler.holds(scene), "screw")
+        assert (row.paths, row.anchor_path) == (("plate",), name), row.because
+        task = feeler.task(scene, "plate", keep="wall", seconds=5)
+        assert verbs(task) == [("undo", ("screw",)), ("take out", ("plate",))], task.blocked
