@@ -426,9 +426,16 @@ def _nut(
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
-    # A narrower end says little: it may be a cone or a ball on its seat, a chamfer, or the collar of a lock nut.
-    has_flange = below >= 1.1 * above and below > CORNERS[body.sides][1] * body.radius
-    is_two_sided = not has_flange and not is_blind and is_wide_above == is_wide_below
+    # A collar, as of lock nuts, is outside, and a flange on the joint. Another narrow end says little: it may be a
+    # chamfer, or a cone or a ball on its seat.
+    has_collar = any(
+        b.radius < body.radius and min(view.high - b.low, b.height) > 0.1 * full and b.high > view.high - 0.1 * full
+        for b in view.outer()
+        if b is not body
+    )
+    has_flange = below > CORNERS[body.sides][1] * body.radius
+    is_told = below >= 1.1 * above and (has_flange or has_collar)
+    is_two_sided = not is_told and not is_blind and is_wide_above == is_wide_below
     if max(above, below) > WIDEST_FLANGE * body.radius:
         return None  # a plate that a nut is welded to
     if above > 1.1 * below:
