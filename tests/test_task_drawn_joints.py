@@ -356,3 +356,32 @@ def test_a_bolt_that_is_turned_holds_no_other_otherwise() -> None:
     before = night({"bolt 1": bolt, "bolt 2": moved(bolt, 0.05), **both}, "cover")
     after = night({"bolt 1": turned, "bolt 2": moved(bolt, 0.05), **both}, "cover", before)
     assert [str(change) for change in after.changes] == ["bolt 1 moved"]
+
+
+@pytest.mark.parametrize("least", [7.0, 8.0])
+def test_a_nut_with_a_conical_seat_leaves_away_from_its_cone(least: float) -> None:
+    """A wheel nut: its narrow end is in the wheel, its hexagon outside."""
+    solids = pytest.importorskip("manifold3d")
+
+    def cone(low: float, high: float, radius: float, wider: float | None = None, sides: int = 48) -> Any:
+        solid = solids.Manifold.cylinder(high - low, radius, radius if wider is None else wider, sides)
+        return solid.translate((0, 0, low))
+
+    slope = np.sqrt(3.0)  # of a seat of 60 degrees, which ends on the face of the wheel
+    foot = 10.0 - (9.5 - least) * slope
+    hexagonal = cone(9.8, 24, 19 / np.sqrt(3), sides=6) ^ cone(9.8, 24, 15, 9)
+    made = {
+        "hub": cone(-12, 0, 60) - cone(-13, 1, 12.02 / 2),
+        "wheel": cone(0, 10, 80) - cone(-1, 11, 6.75) - cone(10 - 2.75 * slope, 10.0 + 0.1 * slope, 6.75, 9.6),
+        "stud": cone(-12, 34, 6.0) + cone(-16, -12, 9),
+        "nut": hexagonal + cone(foot + 0.2, 9.9, least, least + (9.7 - foot) / slope) - cone(-5, 40, 6.02),
+    }
+    meshes = {name: solid.to_mesh() for name, solid in made.items()}
+    parts = {
+        name: (np.asarray(mesh.vert_properties, dtype=float)[:, :3] / 1000, np.asarray(mesh.tri_verts).astype(np.int64))
+        for name, mesh in meshes.items()
+    }
+    for seed in range(3):
+        task = feeler.task(feeler.Scene(tilted(parts, seed)), "wheel", keep="hub")
+        assert steps(task) == [("undo", ("nut",)), ("take out", ("wheel",))], task.blocked
+        assert task.bound == pytest.approx(task.seconds)

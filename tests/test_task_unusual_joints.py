@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
-from shapes import Mesh, box, joined
+from shapes import Mesh, box, joined, prism_ring
 from test_holding import FINE, USUAL, at, nut, only, plain, ring, tilted, union_nut
 
 import feeler
 from feeler.samples import hardware
-from feeler.samples.tessellation import Tolerance
+from feeler.samples.shapes import skin_loops
+from feeler.samples.tessellation import Tolerance, circle, hexagon
 
 COARSE = Tolerance(3e-4)
 LUMP = box((0.2, 0.0, 0.0), (0.21, 0.01, 0.01))
@@ -161,3 +164,116 @@ def test_a_plug_in_a_part_that_is_no_clamp_holds_itself() -> None:
 def test_a_nut_of_usual_size_is_found_as_before() -> None:
     (found,) = feeler.find_fasteners(tilted({"part 1": nut(0.0)}, 1))
     assert found.kind == "nut" and found.confidence == 0.9
+
+
+def long_nut(height: float) -> Mesh:
+    """M8, 13 mm across flats, from z = 0 up."""
+    loops = [hexagon(0.013, 0.0), hexagon(0.013, height), circle(0.00402, 32, height), circle(0.00402, 32, 0.0)]
+    return plain(skin_loops(loops, closed=True))
+
+
+def hung(joint: Mesh, name: str, low: float, *more: tuple[str, Mesh]) -> dict[str, Mesh]:
+    """A rod in a ceiling, up to z = `low`, and a nut on it."""
+    ceiling = ring(0.00401, -0.07, -0.05, 0.03)
+    return {"ceiling": ceiling, "rod": prism_ring(0.004, 0.0, 48, -0.065, low), name: joint, **dict(more)}
+
+
+@pytest.mark.parametrize(
+    ("height", "name", "off", "gap"),
+    [
+        (0.024, "coupling nut", -0.001, 0.001),
+        (0.024, "part 4", 0.002, 0.001),
+        (0.03, "coupling nut", 0.0, 0.0),
+        (0.03, "part 4", -0.001, 0.002),
+    ],
+)
+def test_a_long_nut_joins_two_rods(height: float, name: str, off: float, gap: float) -> None:
+    """The wanted rod is not drawn out of it; off: where the rods meet, from its middle."""
+    meet = 0.5 * height + off
+    wanted = ("wanted", prism_ring(0.004, 0.0, 48, meet + gap, 0.09))
+    parts = hung(long_nut(height), name, meet, wanted)
+    found = {}
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        row = only(feeler.holds(scene), name)
+        assert set(row.paths) == {"rod", "wanted"} and row.because.startswith("it joins"), row.because
+        task = feeler.task(scene, "wanted", keep="ceiling")
+        assert verbs(task) == [("undo", (name,)), ("take out", ("wanted",))], task.blocked
+        # It is turned off one of the rods, not along a whole one.
+        assert task.steps[0].strokes < 6 * 1e3 * height / 1.25
+        found[task.steps[0].strokes, task.seconds, task.bound] = seed
+    assert len(found) == 1
+
+
+def test_studs_by_name_in_a_long_nut_have_one_plan_in_any_pose() -> None:
+    wanted = ("stud 2", prism_ring(0.004, 0.0, 48, 0.013, 0.09))
+    parts = hung(long_nut(0.024), "coupling nut", 0.012, wanted)
+    parts = {("stud 1" if name == "rod" else name): mesh for name, mesh in parts.items()}
+    tasks = [feeler.task(feeler.Scene(tilted(parts, seed)), "stud 2", keep="ceiling") for seed in range(3)]
+    assert all(verbs(task) == [("undo", ("coupling nut",)), ("take out", ("stud 2",))] for task in tasks)
+    assert len({task.steps[0].strokes for task in tasks}) == 1
+
+
+@pytest.mark.parametrize("low", [0.01, 0.014])
+def test_a_bolt_in_a_long_nut_on_a_rod_is_undone(low: float) -> None:
+    """It holds a plate, however far the rod is in the nut."""
+    plate, head = ring(0.0045, 0.024, 0.028), plain(hardware.hex_bolt(0.008, 0.0135, USUAL), at(z=0.028))
+    parts = hung(long_nut(0.024), "coupling nut", low, ("plate", plate), ("bolt", head))
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        assert only(feeler.holds(scene), "bolt").anchor_path == "coupling nut"
+        task = feeler.task(scene, "plate", keep="ceiling")
+        assert len(task.steps) == 2 and task.steps[0].verb == "undo", task.blocked
+
+
+@pytest.mark.parametrize("name", ["barrel nut", "cross dowel"])
+def test_a_barrel_nut_has_its_thread_across_it(name: str) -> None:
+    """A panel under a screw, whose thread is in a cylinder in the shelf."""
+    solids = pytest.importorskip("manifold3d")
+
+    def rod(radius: float, low: float, high: float) -> Any:
+        return solids.Manifold.cylinder(high - low, radius, radius, 32).translate((0, 0, low))
+
+    def block(low: float, high: float, wide: float) -> Any:
+        return solids.Manifold.cube((2 * wide, 2 * wide, high - low)).translate((-wide, -wide, low))
+
+    def lain(solid: Any) -> Any:
+        return solid.rotate((90, 0, 0)).translate((0, 0, -30))
+
+    made = {
+        "panel": block(0, 16, 30) - rod(3.25, -1, 17),
+        "shelf": block(-100, 0, 10) - rod(3.5, -41, 1) - lain(rod(5.05, -20, 20)),
+        name: lain(rod(5, -8, 8)) - rod(3.01, -40, -20),
+    }
+    meshes = {each: solid.to_mesh() for each, solid in made.items()}
+    parts: dict[str, Mesh] = {
+        each: (np.asarray(mesh.vert_properties, dtype=float)[:, :3] / 1000, np.asarray(mesh.tri_verts).astype(np.int64))
+        for each, mesh in meshes.items()
+    }
+    parts["screw"] = plain(hardware.cap_screw(0.006, 0.05, USUAL), at(z=0.016))
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        row = only(feeler.holds(scene), "screw")
+        assert row.anchor_path == name and "panel" in row.paths, row.because
+        task = feeler.task(scene, "panel", keep="shelf")
+        assert verbs(task) == [("undo", ("screw",)), ("take out", ("panel",))], task.blocked
+        assert task.steps[0].strokes < 100  # 9 mm of M6 are in it, not 50 mm
+
+
+@pytest.mark.parametrize("name", ["rivet nut", "T-nut", "part 4"])
+def test_a_nut_that_is_pressed_into_a_sheet_stays_there(name: str) -> None:
+    """Its front is flush, so that the plate lies on it too; its flange is behind the sheet."""
+    outline = [(0.00202, 0.0), (0.00202, -0.006), (0.004, -0.006), (0.004, -0.0025), (0.003, -0.0025), (0.003, 0.0)]
+    pressed = plain(skin_loops([circle(radius, 32, z) for radius, z in outline], closed=True))
+    parts = {
+        "wall": ring(0.00301, -0.0025, 0.0),
+        "plate": ring(0.00225, 0.0, 0.005, 0.015),
+        name: pressed,
+        "screw": plain(hardware.cap_screw(0.004, 0.012, USUAL), at(z=0.005)),
+    }
+    for seed in range(2):
+        scene = feeler.Scene(tilted(parts, seed))
+        row = only(feeler.holds(scene), "screw")
+        assert (row.paths, row.anchor_path) == (("plate",), name), row.because
+        task = feeler.task(scene, "plate", keep="wall", seconds=5)
+        assert verbs(task) == [("undo", ("screw",)), ("take out", ("plate",))], task.blocked

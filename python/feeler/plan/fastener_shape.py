@@ -19,6 +19,7 @@ from feeler.plan.fastener_forms import LESS_USUAL, is_domed, is_shaft, wing_scre
 from feeler.plan.fastener_rare import RARE
 from feeler.plan.fastener_view import (
     BORE_TO_FLATS,
+    CORNERS,
     FLAT_SOCKETS,
     HEAD_HEIGHTS,
     HEAD_TO_SHANK,
@@ -83,6 +84,8 @@ WIDEST_FLANGE = 2.0
 """The greatest radius of a nut's flange, relative to half its width across flats: 1.4 in the standards."""
 NUT_HEIGHT = (0.15, 2.05)
 """Height, relative to the width across flats: thin nuts to long ones."""
+LONG_NUT_HEIGHT = (NUT_HEIGHT[1], 5.0)
+"""The same of a longer nut that joins two rods."""
 PRISM_HEIGHT = (0.25, 1.0)
 """The same for a prism that represents a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
@@ -423,11 +426,20 @@ def _nut(
     above, below = (
         float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
     )
-    is_two_sided = below < 1.1 * above and not is_blind and is_wide_above == is_wide_below
+    # A collar, as of lock nuts, is outside, and a flange on the joint. Another narrow end says little: it may be a
+    # chamfer, or a cone or a ball on its seat.
+    has_collar = any(
+        b.radius < body.radius and min(view.high - b.low, b.height) > 0.1 * full and b.high > view.high - 0.1 * full
+        for b in view.outer()
+        if b is not body
+    )
+    has_flange = below > CORNERS[body.sides][1] * body.radius
+    is_told = below >= 1.1 * above and (has_flange or has_collar)
+    is_two_sided = not is_told and not is_blind and is_wide_above == is_wide_below
     if max(above, below) > WIDEST_FLANGE * body.radius:
         return None  # a plate that a nut is welded to
     if above > 1.1 * below:
-        return None  # a flange: seen from the other end it is on the joint's side
+        return None  # seen from the other end: a flange is on the joint's side, and a narrow end rather outside
     # Slots of a castle nut are open above: they have a floor, with corners outside the bore.
     z, r = view.z.reshape(-1, 3), view.r.reshape(-1, 3)
     is_level = (np.ptp(z, axis=1) < 1e-6 * full) & (r.max(axis=1) > 1.15 * bore.radius)
@@ -451,6 +463,17 @@ def _wide_nut(view: View) -> Found | None:
     """A low nut whose bore is wide for its width: a lock nut. Rings look so too, so its name or its thread decides."""
     found = _nut(view, WIDE_NUT, WIDE_NUT[1], WIDE_NUT_HEIGHT)
     return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
+
+
+def _long_nut(view: View) -> Found | None:
+    """A nut that is longer than those of the standards. Spacers look so too, so its name or two rods in it decide."""
+    found = _nut(view, heights=LONG_NUT_HEIGHT)
+    return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
+
+
+def is_long(looks: Looks) -> bool:
+    """Whether a shape is a nut that is longer than those of the standards."""
+    return looks.kind == "nut" and looks.is_known_by_name and looks.height > NUT_HEIGHT[1] * looks.across_flats
 
 
 def is_wide(looks: Looks) -> bool:
@@ -547,4 +570,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
-_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut, _long_nut)

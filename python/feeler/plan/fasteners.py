@@ -18,7 +18,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import is_by_hand, kind_said, says_nothing
-from feeler.plan.fastener_shape import Looks, bore_of, is_wide, looks_of, rod_of
+from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_wide, looks_of, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
 from feeler.progress import Progress
@@ -60,6 +60,8 @@ _IN_BORE = 24  # rays into a bore
 _WALL = 0.98  # where they begin at most, in halves of the width across flats
 _FILLED = 0.8  # the share of them that meets the thread
 _FACETS = 0.93  # how near to the axis the facets of a thread come, relative to the bore
+_NEAR_END = 0.12  # heights from the ends of a long nut, where its rods are sought
+_BEYOND = 1e-3  # heights of a nut that a stud goes beyond its middle
 _AROUND = 12  # rays from each end, around the axis
 _RAY_BEGIN = 1e-3  # their distance from the end, as a share of the height
 _FAR = 5.0  # heights beyond which a hit need not be the joint
@@ -260,27 +262,35 @@ def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress 
 
 
 def _sure(scene: Scene, found: list[tuple[Fastener, Looks]]) -> Iterator[tuple[Fastener, Looks]]:
-    """Those of sufficient confidence, and the others in whose bore a thread is: something round, as wide as it."""
+    """Those of sufficient confidence, and the others in whose bore threads are: something round, as wide as it; in a
+    long nut two rods, as bolts are in the ends of a spacer."""
+    bolts = [row.part for row, _ in found if row.confidence >= LEAST_CONFIDENCE and row.kind != "nut"]
     for row, looks in found:
         if row.confidence >= LEAST_CONFIDENCE:
             yield row, looks
-        elif _has_thread(scene, row):
+        elif is_long(looks):
+            ends = [_thread_in(scene, row, share) for share in (_NEAR_END, 1.0 - _NEAR_END)]
+            if None not in ends and ends[0] != ends[1] and not set(ends) & set(bolts):
+                yield replace(row, confidence=WEAK, because=f"{row.because}; two rods as wide are in it"), looks
+        elif _thread_in(scene, row, 0.5) is not None:
             yield replace(row, confidence=WEAK, because=f"{row.because}; a thread as wide is in it"), looks
 
 
-def _has_thread(scene: Scene, nut: Fastener) -> bool:
-    """Whether something round fills the bore of a nut: rays begin in its wall, at the middle of its height."""
+def _thread_in(scene: Scene, nut: Fastener, share: float) -> int | None:
+    """The part that is round and fills the bore of a nut at a share of its height; None if none does. Rays begin in its
+    wall."""
     turn = np.arange(_IN_BORE) * (2.0 * np.pi / _IN_BORE)
     ways = np.stack([np.cos(turn), np.sin(turn), np.zeros(_IN_BORE)], axis=1) @ nut.frame[:3, :3].T
     begin = min(_WALL * 0.5 * nut.across_flats, ROD_TO_BORE[1] * 0.5 * nut.size)
-    middle = nut.frame[:3, 3] - 0.5 * nut.length * nut.axis
+    middle = nut.frame[:3, 3] - share * nut.length * nut.axis
     mask = scene.part_mask.copy()
     mask[nut.part] = False
     hits = scene.only(mask).rays(middle + begin * ways, -ways, within=begin)
     parts, radii = np.asarray(hits.parts), begin - np.asarray(hits.distances)
-    is_own = (np.asarray(hits.triangles) >= 0) & (parts == np.bincount(np.maximum(parts, 0)).argmax())
+    best = int(np.bincount(np.maximum(parts, 0)).argmax())
+    is_own = (np.asarray(hits.triangles) >= 0) & (parts == best)
     is_round = (is_own & (radii >= _FACETS * 0.5 * nut.size)).mean() >= _FILLED
-    return bool(is_round and THREAD_PLAY * radii[is_own].max() >= 0.5 * nut.size)
+    return best if is_round and THREAD_PLAY * radii[is_own].max() >= 0.5 * nut.size else None
 
 
 def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -> list[Fastener]:
@@ -302,6 +312,8 @@ def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -
             local = (vertices - nut.frame[:3, 3]) @ nut.frame[:3, :3]
             size = 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
             low, high = float(local[:, 2].min()), float(local[:, 2].max())
+            if not low + _BEYOND * nut.length < -0.5 * nut.length < high - _BEYOND * nut.length:
+                continue  # only its box, which depends on the pose, has the middle; or two rods meet there
             corners = local[faces]
             volume = abs(float(np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))) / 6.0
             is_rod = volume > ROD_FULL * 0.25 * np.pi * size**2 * (high - low)
@@ -346,7 +358,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
         if seen is None:
             continue
         confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
-        if confidence < LEAST_CONFIDENCE and (name == "other" or not is_wide(seen)):
+        if confidence < LEAST_CONFIDENCE and (name == "other" or not (is_wide(seen) or is_long(seen))):
             continue
         kind = _kind(seen, name)
         wide = bore if bore is not None and kind == "nut" else None

@@ -289,7 +289,8 @@ class Fixings:
             shanks = [self._rows[mate] for mate in hold.mates if mate in self._rows and self._rows[mate].kind != "nut"]
             if shanks:
                 return max(row.size, shanks[0].size), row.length + _beyond(row, shanks[0])
-            thread = [each for each in in_bore(self._bare, row, self._meshes) if each.part == anchor]
+            around = self.scene.only([anchor]) if anchor in self._rows else self._bare
+            thread = [each for each in in_bore(around, row, self._meshes) if each.part == anchor]
             if thread:
                 return 2.0 * thread[0].radius, min(thread[0].top - thread[0].bottom + row.length / LEVELS, row.length)
             return row.size, row.length

@@ -43,6 +43,10 @@ INSERT = 2.2
 """The greatest radius of a threaded insert, in radii of the thread."""
 AROUND_INSERT = 1.2
 """What an insert is in is around it within this many of its radii."""
+ALIKE = 0.05
+"""The greatest difference of the radii of two rods with one thread, as a share."""
+FREE = 0.15
+"""The share of the bore of a nut beyond the end of its shank, from which another rod may be in it."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
 SHORT = 0.5
@@ -295,6 +299,7 @@ class _Holding:
         frames = np.linalg.inv(np.array([row.frame for row in shanks]))
         sizes = np.array([row.size for row in shanks])
         lengths = np.array([_finite(row.length) + _head(row) for row in shanks])
+        is_headed = np.array([not _is_stud(row) for row in shanks])
         for nut in nuts:
             middle = nut.frame[:3, 3] - 0.5 * _finite(nut.length) * nut.axis
             local = np.einsum("nij,j->ni", frames[:, :3, :3], middle) + frames[:, :3, 3]
@@ -303,7 +308,12 @@ class _Holding:
             is_on = (off < ON_AXIS * sizes) & (along > 0.99) & (local[:, 2] < 0.5 * sizes)
             is_on &= local[:, 2] > -lengths - 0.5 * _finite(nut.length)
             if is_on.any():
-                best = int(np.argmin(np.where(is_on, off, np.inf)))
+                # Of two that a nut joins, the one with a head, else the one that is deeper in it.
+                is_on &= off <= off[is_on].min() + PLAY * sizes
+                half = 0.5 * _finite(nut.length)
+                shared = np.minimum(local[:, 2] + half, 0.0) - np.maximum(local[:, 2] - half, -lengths)
+                shared += np.where(is_headed & (shared > 2.0 * FREE * half), lengths + 2.0 * half, 0.0)
+                best = int(np.argmax(np.where(is_on, np.round(shared, 6), -np.inf)))
                 self.nuts[shanks[best].part].append(nut)
                 self.shank[nut.part] = shanks[best]
 
@@ -388,6 +398,11 @@ class _Holding:
             clamped += self._beside(nut, washers, clamped, depth, anchor.part)
         elif not _is_stud(shank) and not others:
             clamped += self._beside(shank, washers, clamped, height, nut.part)
+        joined = self._joined(nut, shank)
+        if joined and _is_stud(shank):
+            both = [Passed(shank.part, height, height, 0.0), *joined]
+            return self._held(nut, clamped + both, washers, shank.part, (), f"it joins {self._names(both)}")
+        clamped += joined
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
 
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
@@ -436,12 +451,30 @@ class _Holding:
             return below[0]
         return float(nut.axis @ shank.axis) > 0.0
 
+    def _joined(self, nut: Fastener, shank: Fastener) -> list[Passed]:
+        """What else has its thread in a nut, where it is longer than its shank reaches: the other one of two rods."""
+        high = float((shank.frame[:3, 3] - nut.frame[:3, 3]) @ nut.axis)
+        foot = high - (_head(shank) + _finite(shank.length)) * float(shank.axis @ nut.axis)
+        length = _finite(nut.length)
+        if min(0.0, max(high, foot)) - max(-length, min(high, foot)) > (1.0 - FREE) * length:
+            return []
+        rods = [row.part for row in self.fasteners if _is_stud(row) and row is not shank]
+        mask = self.bare.part_mask.copy()
+        mask[rods] = True
+        return [each for each in in_bore(self.scene.only(mask), nut, self.meshes) if self._is_threaded(nut, each)]
+
+    def _is_threaded(self, nut: Fastener, inside: Passed) -> bool:
+        """Whether a part has its thread in a nut."""
+        return inside.radius >= THREADED * 0.5 * nut.size and self._play(nut, inside) <= TIGHT - 1.0
+
     def _of_union(self, nut: Fastener) -> Hold:
         """A nut without a shank of its own: on a pipe, or on the thread of a part."""
         inside = in_bore(self.bare, nut, self.meshes)
         threads = [each for each in inside if each.radius >= THREADED * 0.5 * nut.size]
         anchor = min(threads, key=lambda each: (self._play(nut, each), each.bottom), default=None)
         held = [each for each in inside if each.part != _part(anchor)]
+        if anchor is not None and any(_is_alike(each, anchor) and self._is_threaded(nut, each) for each in held):
+            return self._held(nut, inside, [], anchor.part, (), f"it joins {self._names(inside)}")
         if not held:
             below = [part for part in under(self.bare, nut, 0.1 * nut.size) if part != _part(anchor)]
             held = [Passed(part, 0.0, 0.0, 0.0) for part in below]
@@ -578,6 +611,11 @@ def _part(passed: Passed | None) -> int | None:
 def _is_tight(row: Fastener, passed: Passed) -> bool:
     """Whether a hole is a thread or a fit for a shank."""
     return passed.radius <= TIGHT * 0.5 * thread_size(row) or passed.least <= CORE * 0.5 * row.size
+
+
+def _is_alike(one: Passed, other: Passed) -> bool:
+    """Whether two rods may have the same thread: the pipe in a union nut is thinner."""
+    return abs(one.radius - other.radius) <= ALIKE * other.radius
 
 
 def _is_stud(row: Fastener) -> bool:
