@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shapes import mockup_of
+from test_task import CLEAR, TAPPED, bolt, ring
 from test_workbench_cards import answered, asked, bolts, card_of
 from test_workbench_task_tools import OWN
 from workbench_scene import FACES as BOX_FACES
@@ -197,3 +199,14 @@ def test_answers_of_older_projects_are_read() -> None:
     kept = kept_answer(card, facts, None, bench.mockup.part_count)
     assert kept is not None and len(kept.reaches) == 2
     assert all([row.get(name) for name in new] == [False, None, None, ""] for row in kept.reaches)
+
+
+def test_of_a_part_the_bolts_that_hold_it_are_meant() -> None:
+    parts = {"bolt": bolt(0.03), "cover": ring(CLEAR, -0.01, 0.0), "case": ring(TAPPED, -0.04, -0.01)}
+    bench = Bench(None, mockup=mockup_of(parts), pose=at(0, 0, 0.5))
+    expected = {row.path for row in feeler.holds(bench.scene) if "cover" in row.paths}
+    _, answer = asked(bench, "access", catalogue=True, parts="cover")
+    assert {row["name"] for row in answer["reaches"]} == expected != set()
+    bench = Bench(None, mockup=roofed(0.4), pose=at(0, 0, 0.5))
+    card, _ = asked(bench, "access", catalogue=True, parts="roof")
+    assert card.sentence.endswith("no fastener was found that holds them.")

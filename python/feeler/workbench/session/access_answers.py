@@ -15,6 +15,7 @@ from feeler.plan.catalogue import Catalogue, shaped, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.reaching import Reach, access
 from feeler.progress import Progress
+from feeler.tasks.holding import holds
 from feeler.words import plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import ReachFacts
@@ -32,9 +33,9 @@ _FAN_STEP_DEG = 5.0
 def reach(asked: Asked, progress: Progress) -> Answered:
     """Which tools reach fasteners. Of the catalogue the first that fits by drive and size and reaches; of tools by name
     the one that swings farthest."""
-    bolts = find_fasteners(asked.scene, list(asked.parts) or None, part_of(progress, 0.0, 0.2))
+    bolts = _meant(asked, part_of(progress, 0.0, 0.2))
     if not len(bolts):
-        return Answered("None of these parts looks like a fastener.", None)
+        return Answered("None of these parts looks like a fastener, and no fastener was found that holds them.", None)
     if asked.options.get("catalogue"):
         return _chosen(asked, bolts, part_of(progress, 0.2, 1.0))
     assert asked.tools, "a question of access has a tool"
@@ -54,6 +55,18 @@ def reach(asked: Asked, progress: Progress) -> Answered:
     return Answered(
         _reach_words(good, reached, found, len(bolts)), reached == len(bolts), reaches=facts, facts=tuple(more)
     )
+
+
+def _meant(asked: Asked, progress: Progress) -> Fasteners:
+    """The fasteners among the chosen parts, or else those that hold them; all if none are chosen."""
+    chosen = set(asked.parts)
+    found = find_fasteners(asked.scene, sorted(chosen) or None, part_of(progress, 0.0, 0.4))
+    if len(found) or not chosen:
+        return found
+    every = find_fasteners(asked.scene, None, part_of(progress, 0.4, 0.8))
+    held = holds(asked.scene, every, progress=part_of(progress, 0.8, 1.0))
+    holding = {each.fastener for each in held if chosen & set(each.parts)}
+    return Fasteners([row for row in every if row.part in holding])
 
 
 def _reaches(asked: Asked, name: str, bolts: Fasteners, progress: Progress) -> list[Reach]:
