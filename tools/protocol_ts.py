@@ -146,10 +146,11 @@ class Tables:
             lines.append(f"{comment(text, '  ')}{member(key, args)}")
         return "".join([*lines, "}\n"])
 
-    def rows(self, table: str) -> Iterator[tuple[str, ast.expr, str]]:
-        """The rows of a table: name, what makes the row, and the text of its function."""
+    def rows(self, table: str, *, is_whole: bool = False) -> Iterator[tuple[str, ast.expr, str]]:
+        """The rows of a table: name, what makes the row, and the text of its function, or its first paragraph."""
         for key, row in self._dict(self._values[table]):
-            yield key, row, self._doc(row)
+            text = self._doc(row)
+            yield key, row, text if is_whole else text.split("\n\n")[0]
         if table == "COMMANDS":
             # Without arguments, and in no table: they choose between documents.
             for name in ast.literal_eval(self._values["STEPS"]):
@@ -194,7 +195,7 @@ class Tables:
     def _doc(self, row: ast.expr) -> str:
         match row:
             case ast.Call(args=[ast.Name(id=work) | ast.Attribute(attr=work), *_]):
-                return (ast.get_docstring(self._functions[work]) or "").split("\n\n")[0]
+                return ast.get_docstring(self._functions[work]) or ""
         return ""
 
 

@@ -52,6 +52,7 @@ class ViewCommands:
         """Without the arguments that are not given."""
         return self.command(name, **{{key: value for key, value in args.items() if value is not None}})
 '''
+WIDTH = 112  # of docstrings, without their indentation
 STEPS = {"undo": "Undoes the last command.", "redo": "Does again what was undone."}
 BUILTIN = {"int", "float", "str", "bool", "None", "list", "tuple", "dict", "Any"}
 
@@ -61,7 +62,7 @@ def written(text_of_commands: str) -> str:
     methods: list[str] = []
     names = {"CommandAnswer"}
     tables = Tables(ast.parse(text_of_commands).body)
-    for name, row, text in tables.rows("COMMANDS"):
+    for name, row, text in tables.rows("COMMANDS", is_whole=True):
         arguments = sorted(tables.arguments(row), key=lambda argument: argument[2])
         for _, kind, _ in arguments:
             if ast.unparse(kind) in _type(kind).split(" | ") or _type(kind) == ast.unparse(kind):
@@ -76,7 +77,9 @@ def _method(name: str, arguments: list[tuple[str, ast.expr, bool]], text: str) -
     sent = "".join(f", {each}={_sent(each, kind)}" for each, kind, _ in arguments)
     send = "_command" if any(may_lack for _, _, may_lack in arguments) else "command"
     yield f"    def {name}(self{''.join(f', {each}' for each in given)}) -> CommandAnswer:"
-    yield textwrap.indent(f'"""{text.replace("null", "None")}"""', "        ")
+    first, *more = text.replace("null", "None").split("\n\n")
+    paragraphs = [first, *(textwrap.fill(each, WIDTH) for each in more)]
+    yield textwrap.indent('"""' + "\n\n".join(paragraphs) + ("\n" if more else "") + '"""', "        ")
     yield f'        return self.{send}("{name}"{sent})'
     yield ""
 

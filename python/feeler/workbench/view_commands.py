@@ -145,7 +145,12 @@ class ViewCommands:
         triangles: list[int] | None = None,
         name: str | None = None,
     ) -> CommandAnswer:
-        """Adds a measure of points, parts or triangles."""
+        """Adds a measure.
+
+        `type`: "point": the distance of two `points`; "edge": the length between two `points`; "angle": of three
+        `points`, the corner in the middle, or of the planes of two `triangles` (indices into `mockup.faces`); "parts":
+        the least distance of two `parts`. Points are world, metres; angles are kept in radians.
+        """
         return self._command(
             "measure_add", type=type, points=points, parts=plain_parts(parts), triangles=triangles, name=name
         )
@@ -159,7 +164,7 @@ class ViewCommands:
         triangles: list[int] | None = None,
         name: str | None = None,
     ) -> CommandAnswer:
-        """Renames a measure, or measures something else."""
+        """Renames the measure `id`, or measures something else, as `measure_add` does."""
         return self._command(
             "measure_edit", id=id, type=type, points=points, parts=plain_parts(parts), triangles=triangles, name=name
         )
@@ -169,7 +174,11 @@ class ViewCommands:
         return self.command("measure_remove", id=id)
 
     def viewpoint_add(self, camera: Camera, name: str | None = None) -> CommandAnswer:
-        """Saves a camera, and the sections as they are."""
+        """Saves a camera, and the sections as they are.
+
+        `camera`: a dict of `position` and `target`, world, metres, `up`, a direction, `fov_rad`, the whole vertical
+        angle, and if wanted `is_parallel`.
+        """
         return self._command("viewpoint_add", camera=camera, name=name)
 
     def viewpoint_show(self, id: int) -> CommandAnswer:
@@ -220,7 +229,10 @@ class ViewCommands:
         note: str | None = None,
         group: int | None = None,
     ) -> CommandAnswer:
-        """Sets the status, the note or the own group (0: none) of rows of the findings of a version."""
+        """Sets the status, the note or the own group (its id; 0: none) of findings.
+
+        `version`: that of the findings that are open; the command fails for another. `rows`: indices into their rows.
+        """
         return self._command("finding_mark", version=version, rows=rows, status=status, note=note, group=group)
 
     def finding_filter(self, is_touching_hidden: bool) -> CommandAnswer:
@@ -250,7 +262,7 @@ class ViewCommands:
     def requirement_edit(
         self, id: int, name: str | None = None, a: str | None = None, b: str | None = None, gap: float | None = None
     ) -> CommandAnswer:
-        """Changes a requirement; it has to be checked again."""
+        """Changes the requirement `id`; it has to be checked again. `gap`: metres."""
         return self._command("requirement_edit", id=id, name=name, a=a, b=b, gap=gap)
 
     def requirement_remove(self, id: int) -> CommandAnswer:
@@ -264,7 +276,11 @@ class ViewCommands:
     def clash_settings(
         self, clearance: float | None = None, contact: float | str | None = None, rules: str | None = None
     ) -> CommandAnswer:
-        """Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML."""
+        """Sets how the next clash check is made.
+
+        `clearance`, `contact`: metres, as of `feeler.clash`; `contact` may be "chord". `rules`: TOML, as of `feeler
+        clash --rules`; empty for none.
+        """
         return self._command("clash_settings", clearance=clearance, contact=contact, rules=rules)
 
     def accept_revision(self) -> CommandAnswer:
@@ -285,7 +301,11 @@ class ViewCommands:
         seconds: float | None = None,
         people: int | None = None,
     ) -> CommandAnswer:
-        """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need."""
+        """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need.
+
+        `without`: parts that are taken for gone. `tool`, `tools`: names of opened tools. `swing_deg`: the least swing
+        of a tool that counts, degrees. `clearance`: metres to keep. `seconds`: the time limit of the answer.
+        """
         return self._command(
             "ask",
             question=question,
@@ -321,23 +341,37 @@ class ViewCommands:
         seconds: float | None = None,
         later: PartsLike | None = None,
     ) -> CommandAnswer:
-        """Edits the task of a card, which is planned again."""
+        """Edits the task of a card, which is planned again.
+
+        "off", "on": the parts are off already, or not. "time": their step takes `seconds`; without, as counted.
+        "before", "free": the parts go before those of `later`, or need not.
+        """
         return self._command(
             "task_edit", id=id, edit=edit, parts=plain_parts(parts), seconds=seconds, later=plain_parts(later)
         )
 
     def task_times(self, toml: str, name: str | None = None) -> CommandAnswer:
-        """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again."""
+        """Takes a table of times (TOML, as of `feeler task --times`) for all tasks, which are planned again.
+
+        An empty text takes the examples again.
+        """
         return self._command("task_times", toml=toml, name=name)
 
     def task_catalogue(self, toml: str, name: str | None = None) -> CommandAnswer:
-        """Takes a catalogue of tools (TOML, as of `feeler access --write-catalogue`) for tasks that choose from one."""
+        """Takes a catalogue of tools (TOML, as of `feeler access --write-catalogue`) for tasks that choose from one.
+
+        They are planned again. An empty text takes the built-in one again.
+        """
         return self._command("task_catalogue", toml=toml, name=name)
 
     def way_take(
         self, id: int | None = None, steps: int | None = None, ways: list[GivenWay] | None = None
     ) -> CommandAnswer:
-        """Takes parts out along the ways of a card, and adds them to the sequence."""
+        """Takes parts out along the ways of a card, and adds them to the sequence.
+
+        `steps`: how many of its ways that were not taken yet, all by default. `ways`: these instead of the card's, as a
+        record has them.
+        """
         return self._command("way_take", id=id, steps=steps, ways=ways)
 
     def way_check(self, id: int) -> CommandAnswer:
@@ -355,11 +389,18 @@ class ViewCommands:
         line: int | None = None,
         ways: list[GivenWay] | None = None,
     ) -> CommandAnswer:
-        """Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line."""
+        """Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line.
+
+        `ways`, of `line`: instead of the card's, as a record has them.
+        """
         return self._command("way_keep", id=id, is_added=is_added, line=line, ways=ways)
 
     def guide(self, card: int | None = None, step: int | None = None, line: int | None = None) -> CommandAnswer:
-        """Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence."""
+        """Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence.
+
+        The hand holds its parts. If they are nearer to its end than to its begin, it guides back. It ends by itself
+        there, or when the hand lets go of them.
+        """
         return self._command("guide", card=card, step=step, line=line)
 
     def guide_end(self) -> CommandAnswer:

@@ -1375,7 +1375,7 @@ export interface Commands {
   readonly put_back: { readonly parts: Selection };
   /** Takes another tool, or none; where it would collide, it starts beside the mock-up. */
   readonly take_tool: { readonly name: string | null };
-  /** Adds a measure of points, parts or triangles. */
+  /** Adds a measure. */
   readonly measure_add: {
     readonly type: MeasureType;
     readonly points?: readonly Vec3[];
@@ -1383,7 +1383,7 @@ export interface Commands {
     readonly triangles?: readonly number[];
     readonly name?: string;
   };
-  /** Renames a measure, or measures something else. */
+  /** Renames the measure `id`, or measures something else, as `measure_add` does. */
   readonly measure_edit: {
     readonly id: number;
     readonly type?: MeasureType;
@@ -1416,7 +1416,7 @@ export interface Commands {
   readonly findings_close: Record<string, never>;
   /** Sets the status of a finding. */
   readonly finding_status: { readonly id: string; readonly status: FindingStatus };
-  /** Sets the status, the note or the own group (0: none) of rows of the findings of a version. */
+  /** Sets the status, the note or the own group (its id; 0: none) of findings. */
   readonly finding_mark: {
     readonly version: string;
     readonly rows: readonly number[];
@@ -1436,7 +1436,7 @@ export interface Commands {
   readonly finding_ignore: { readonly name: string; readonly a: string; readonly b: string };
   /** Adds a clearance that must hold: parts of pattern `a` at least `gap` metres away from those of `b`. */
   readonly requirement_add: { readonly name: string; readonly a: string; readonly b: string; readonly gap: number };
-  /** Changes a requirement; it has to be checked again. */
+  /** Changes the requirement `id`; it has to be checked again. `gap`: metres. */
   readonly requirement_edit: {
     readonly id: number;
     readonly name?: string;
@@ -1448,7 +1448,7 @@ export interface Commands {
   readonly requirement_remove: { readonly id: number };
   /** Takes the verdicts of the job "verify"; requirements that are gone are left out. */
   readonly requirements_checked: { readonly results: readonly RequirementResult[] };
-  /** Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML. */
+  /** Sets how the next clash check is made. */
   readonly clash_settings: { readonly clearance?: number; readonly contact?: number | string; readonly rules?: string };
   /** Accepts the present revision of the mock-up: the project's answers are about its parts from now on. */
   readonly accept_revision: Record<string, never>;

@@ -41,7 +41,11 @@ _GRID_M = 2.0**-10
 
 
 def ask(document: Document, given: Arguments, known: Known) -> Document:
-    """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need."""
+    """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need.
+
+    `without`: parts that are taken for gone. `tool`, `tools`: names of opened tools. `swing_deg`: the least swing of a
+    tool that counts, degrees. `clearance`: metres to keep. `seconds`: the time limit of the answer.
+    """
     if len(document.cards) >= MOST_CARDS:
         raise WorkbenchError(f"there are {MOST_CARDS} cards already", given.command, "remove some first")
     question = given.choice("question", QUESTIONS)

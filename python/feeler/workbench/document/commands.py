@@ -358,14 +358,19 @@ def take_tool(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def measure_add(document: Document, given: Arguments, known: Known) -> Document:
-    """Adds a measure of points, parts or triangles."""
+    """Adds a measure.
+
+    `type`: "point": the distance of two `points`; "edge": the length between two `points`; "angle": of three `points`,
+    the corner in the middle, or of the planes of two `triangles` (indices into `mockup.faces`); "parts": the least
+    distance of two `parts`. Points are world, metres; angles are kept in radians.
+    """
     found = _measured(given, known)
     name = given.text("name") if given.has("name") else f"{found.type} {document.next_id}"
     return document.with_id(measures=(*document.measures, _measure(document.next_id, name, found)))
 
 
 def measure_edit(document: Document, given: Arguments, known: Known) -> Document:
-    """Renames a measure, or measures something else."""
+    """Renames the measure `id`, or measures something else, as `measure_add` does."""
     at = given.place_of(document.measures)
     old = document.measures[at]
     name = given.text("name") if given.has("name") else old.name
@@ -391,7 +396,11 @@ def camera_of(given: Arguments) -> CameraView:
 
 
 def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """Saves a camera, and the sections as they are."""
+    """Saves a camera, and the sections as they are.
+
+    `camera`: a dict of `position` and `target`, world, metres, `up`, a direction, `fov_rad`, the whole vertical angle,
+    and if wanted `is_parallel`.
+    """
     seen = camera_of(given)
     name = given.text("name") if given.has("name") else f"view {document.next_id}"
     viewpoint = Viewpoint(document.next_id, name, seen, document.sections, document.section_box)

@@ -79,7 +79,10 @@ def finding_status(document: Document, given: Arguments, _known: KnownFindings) 
 
 
 def finding_mark(document: Document, given: Arguments, _known: KnownFindings) -> Document:
-    """Sets the status, the note or the own group (0: none) of rows of the findings of a version."""
+    """Sets the status, the note or the own group (its id; 0: none) of findings.
+
+    `version`: that of the findings that are open; the command fails for another. `rows`: indices into their rows.
+    """
     found = _of(document, given)
     names = _named(found, given)
     if given.has("status"):
@@ -144,7 +147,11 @@ def finding_ignore(document: Document, given: Arguments, known: KnownFindings) -
 
 
 def clash_settings(document: Document, given: Arguments, _known: KnownFindings) -> Document:
-    """Sets how the next clash check is made: metres, "chord" as `contact`, and rules as TOML."""
+    """Sets how the next clash check is made.
+
+    `clearance`, `contact`: metres, as of `feeler.clash`; `contact` may be "chord". `rules`: TOML, as of
+    `feeler clash --rules`; empty for none.
+    """
     clearance = given.number("clearance", 0.0, 1e3) if given.has("clearance") else document.clash.clearance
     contact = document.clash.contact
     if given.has("contact"):

@@ -26,7 +26,7 @@ def requirement_add(document: Document, given: Arguments, _known: object) -> Doc
 
 
 def requirement_edit(document: Document, given: Arguments, _known: object) -> Document:
-    """Changes a requirement; it has to be checked again."""
+    """Changes the requirement `id`; it has to be checked again. `gap`: metres."""
     at = given.place_of(document.requirements)
     old = document.requirements[at]
     name, a, b = (given.text(each) if given.has(each) else getattr(old, each) for each in ("name", "a", "b"))
