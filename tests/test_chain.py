@@ -84,10 +84,10 @@ def test_the_least_gap_is_between_its_bounds(post: feeler.Scene, tool: feeler.To
         assert gaps.min() >= found.lower
         assert found.upper == pytest.approx(post.distance(tool, found.pose).value, abs=1e-12)
         assert np.linalg.norm(np.subtract(*found.points)) == pytest.approx(found.upper, abs=1e-12)
-        assert np.allclose(way.at(start, found.share), found.pose, atol=1e-12)
+        assert np.allclose(way.at(start, found.fraction), found.pose, atol=1e-12)
         spans = np.searchsorted(found.edges, np.linspace(0, 1, 2001)[1:-1], side="right") - 1
         assert (gaps[1:-1] >= found.lowers[spans] - 1e-12).all()
-        middle = np.array([way.at(start, share) for share in found.shares])
+        middle = np.array([way.at(start, share) for share in found.fractions])
         assert (post.distance_batch(tool, middle).values <= found.uppers + 1e-12).all()
 
 

@@ -198,27 +198,27 @@ class ClearanceAlong:
         """Metres: nowhere on the motion is the gap less."""
     @property
     def upper(self) -> float:
-        """Metres: the gap at `share`; 0 if they collide there, infinite if no part is within `within`."""
+        """Metres: the gap at `fraction`; 0 if they collide there, infinite if no part is within `within`."""
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """The place of `upper`, as a fraction of the motion, 0 to 1."""
     @property
     def pose(self) -> npt.NDArray[np.float64]:
-        """`(4, 4)`: world_from_tool at `share`."""
+        """`(4, 4)`: world_from_tool at `fraction`."""
     @property
     def part(self) -> int | None:
-        """The index into `mockup.parts` of the closest part at `share`; None if no part is within `within`."""
+        """The index into `mockup.parts` of the closest part at `fraction`; None if no part is within `within`."""
     @property
     def tool_part(self) -> int | None:
         """The index into `tool.parts` of the tool's part that is closest to it."""
     @property
     def points(self) -> npt.NDArray[np.float64] | None:
-        """`(2, 3)`: the closest points at `share`, of the tool and of the mock-up, world, metres."""
+        """`(2, 3)`: the closest points at `fraction`, of the tool and of the mock-up, world, metres."""
     @property
     def edges(self) -> npt.NDArray[np.float64]:
         """`(n + 1,)`: where the spans of the curve begin and end, as fractions of the motion."""
     @property
-    def shares(self) -> npt.NDArray[np.float64]:
+    def fractions(self) -> npt.NDArray[np.float64]:
         """`(n,)`: the middles of the spans of the curve, as fractions of the motion."""
     @property
     def lowers(self) -> npt.NDArray[np.float64]:

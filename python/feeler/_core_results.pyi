@@ -1,6 +1,6 @@
 """Results and values of `feeler._core`. Not a module: the stub of `feeler._core` imports them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import final
 
 import numpy as np
@@ -60,6 +60,7 @@ class Batch:
         """`(K,)`: the `PairKind.code` of each pair, one byte each; read-only."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
+    def __iter__(self) -> Iterator[npt.NDArray[np.uint32]]: ...
 
 @final
 class Distance:
@@ -120,6 +121,7 @@ class DistanceBatch:
         """`(n,)`: indices into `tool.parts`."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> Distance: ...
+    def __iter__(self) -> Iterator[Distance]: ...
 
 @final
 class Clearance:
@@ -178,6 +180,7 @@ class ClearanceBatch:
         """`(K,)`: triangles of the mock-up."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> Clearance: ...
+    def __iter__(self) -> Iterator[Clearance]: ...
 
 @final
 class Packed:

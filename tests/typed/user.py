@@ -63,6 +63,10 @@ assert_type(hit, feeler.Collision)
 assert_type(scene.is_colliding(tool, pose), bool)
 batch = scene.collide_batch(tool, np.stack([pose, pose]))
 assert_type(batch, feeler.Batch)
+for pairs in batch:
+    assert_type(pairs, npt.NDArray[np.uint32])
+for gap in scene.distance_batch(tool, np.stack([pose, pose])):
+    assert_type(gap, feeler.Distance)
 
 impact = scene.cast(tool, pose, pose)
 if impact is not None:

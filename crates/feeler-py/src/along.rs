@@ -49,7 +49,7 @@ impl ClearanceAlong {
         self.bounds[0]
     }
 
-    /// Metres: the gap at `share`; 0 if they collide there, infinite if no part is within `within`.
+    /// Metres: the gap at `fraction`; 0 if they collide there, infinite if no part is within `within`.
     #[getter]
     fn upper(&self) -> f64 {
         self.bounds[1]
@@ -57,17 +57,17 @@ impl ClearanceAlong {
 
     /// The place of `upper`, as a fraction of the motion, 0 to 1.
     #[getter]
-    fn share(&self) -> f64 {
+    fn fraction(&self) -> f64 {
         self.bounds[2]
     }
 
-    /// `(4, 4)`: world_from_tool at `share`.
+    /// `(4, 4)`: world_from_tool at `fraction`.
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_pyarray(py)
     }
 
-    /// The index into `mockup.parts` of the closest part at `share`; None if no part is within `within`.
+    /// The index into `mockup.parts` of the closest part at `fraction`; None if no part is within `within`.
     #[getter]
     fn part(&self) -> Option<u32> {
         self.gap.map(|gap| gap.part)
@@ -79,7 +79,7 @@ impl ClearanceAlong {
         self.gap.map(|gap| gap.tool_part)
     }
 
-    /// `(2, 3)`: the closest points at `share`, of the tool and of the mock-up, world, metres.
+    /// `(2, 3)`: the closest points at `fraction`, of the tool and of the mock-up, world, metres.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         let gap = self.gap?;
@@ -95,7 +95,7 @@ impl ClearanceAlong {
 
     /// `(n,)`: the middles of the spans of the curve, as fractions of the motion.
     #[getter]
-    fn shares<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn fractions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |span| 0.5 * (span[0] + span[1]))
     }
 

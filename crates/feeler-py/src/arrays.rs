@@ -8,6 +8,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyIterator;
 
 use crate::errors::{raise, shape_text};
 
@@ -99,4 +100,11 @@ pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, PyArra
         _ => pose.rotation()[i][j],
     };
     Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
+}
+
+/// The items of a sequence by their numbers.
+pub fn in_order<'py, T>(sequence: &Bound<'py, T>) -> PyResult<Bound<'py, PyIterator>> {
+    // SAFETY: it is an object, and the interpreter is held. What comes back is new, or none with an error.
+    let items = unsafe { Bound::from_owned_ptr_or_err(sequence.py(), pyo3::ffi::PySeqIter_New(sequence.as_ptr())) }?;
+    Ok(items.cast_into()?)
 }

@@ -7,9 +7,9 @@ use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyIterator, PyTuple};
 
-use crate::arrays::{codes, view, view_rows, words, Word};
+use crate::arrays::{codes, in_order, view, view_rows, words, Word};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 use crate::words::counted;
@@ -217,6 +217,10 @@ impl Batch {
     }
 
     /// The pairs of one pose, `(k, 2)`.
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let n = self.__len__() as isize;
         let i = if index < 0 { index + n } else { index };

@@ -4,8 +4,9 @@ use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyIterator, PyTuple};
 
+use crate::arrays::in_order;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 use crate::words::counted;
 
@@ -205,6 +206,10 @@ impl DistanceBatch {
         self.gaps.len()
     }
 
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
     fn __getitem__(&self, index: isize) -> PyResult<Distance> {
         Ok(Distance::new(self.gaps[place(index, self.gaps.len())?]))
     }
@@ -375,6 +380,10 @@ impl ClearanceBatch {
 
     fn __len__(&self) -> usize {
         self.offsets.len() - 1
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
     }
 
     fn __getitem__(&self, index: isize) -> PyResult<Clearance> {

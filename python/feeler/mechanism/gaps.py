@@ -206,9 +206,9 @@ def _bounded(
     pose, way = relative(mechanism, *pair, leg)
     found = around.clearance_along(tool, pose, way, error, within=within, ignore=mechanism.bodies.ignored(*pair))
     if found.upper < best.upper:
-        place = leg.at(found.share)
+        place = leg.at(found.fraction)
         if stand is not None:
-            place = mechanism.position({**stand, name: leg.value(found.share)}, leg.start)
+            place = mechanism.position({**stand, name: leg.value(found.fraction)}, leg.start)
         best.take(gap(mechanism, *pair, place, math.inf), place)
     return found
 

@@ -207,7 +207,7 @@ class Tracks:
                     lower = min(lower, along.lower - step.error)
                     if not math.isfinite(along.upper):
                         continue
-                    at = self._when(one, other, step, along.share)
+                    at = self._when(one, other, step, along.fraction)
                 found = around.distance(tool, self._relative(one, other, at), best, ignore=ignore)
                 if found.value < best:
                     best, worst, near = found.value, at, (one, other, found)
