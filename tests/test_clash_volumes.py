@@ -116,3 +116,13 @@ def test_a_note_names_parts_without_a_volume() -> None:
     (note,) = found.facts.notes
     assert note.startswith("no shared volume is measured of lifted:")
     assert not feeler.clash(mockup_of(parts), clearance=0).facts.notes
+
+
+@pytest.mark.parametrize("contact", [0.0, 5e-4, 1e-2])
+def test_a_contact_that_overlaps_shares_volume(contact: float) -> None:
+    parts = {"a": UNIT, "b": box((0.999, 0.1, 0.1), (2, 0.9, 0.9)), "flush": box((-1, 0, 0), (0, 1, 1))}
+    found = {
+        frozenset((row.path_a, row.path_b)): row for row in feeler.clash(mockup_of(parts), contact=contact, volume=True)
+    }
+    assert found[frozenset("ab")].volume == pytest.approx(0.00064)
+    assert found[frozenset(("a", "flush"))].volume == 0.0

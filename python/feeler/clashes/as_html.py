@@ -16,10 +16,10 @@ from feeler.clashes.as_json import statuses
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
 from feeler.clashes.result import Clashes, Group
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import capitalised, extent, hidden, sentence, shared, shared_by
+from feeler.clashes.words import capitalised, extent, hidden, sentence, shared
 from feeler.mockup import Mockup
 from feeler.progress import Progress
-from feeler.words import length, plural, printable
+from feeler.words import length, plural, printable, volume
 
 MOST_GROUPS = 200
 """Most groups on the page, the worst first. Each has a picture, about 30 kB and 0.05 s. The table has all findings."""
@@ -161,7 +161,7 @@ def _data(clashes: Clashes, group_of: dict[int, str]) -> str:
             "id": clash.id,
             "verdict": clash.verdict,
             "extent": extent(clash),
-            **({"volume": shared_by(clash)} if has_volumes else {}),
+            **({"volume": volume(clash.volume)} if has_volumes else {}),
             "a": printable(clash.path_a),
             "b": printable(clash.path_b),
             "place": " ".join(f"{value:.4f}" for value in clash.point_a),

@@ -65,7 +65,7 @@ def comment_of(finding: str, mark: Mark, sentence: str, topic: str) -> str | Non
 
 def seen_text(finding: str, found: Found) -> str:
     """A finding for the description of a topic: id, verdict and signed depth."""
-    return f"{finding}; {found.verdict}, {found.depth!r} m" if math.isfinite(found.depth) else finding
+    return f"{finding}; {found.verdict}, {found.depth + 0.0!r} m" if math.isfinite(found.depth) else finding
 
 
 _WRITTEN = re.compile(rf"^status when written: ({_WORDS}), check ([0-9a-f]{{12}})\.?$", re.MULTILINE)

@@ -23,6 +23,7 @@ from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Columns, Facts
 from feeler.clashes.tracking import part_keys
+from feeler.clashes.verdict import OVERLAPS
 from feeler.clashes.words import named
 from feeler.errors import MeshError, OptionError
 from feeler.ignored import Group, groups_of_parts, listed, pairs_of_parts
@@ -39,6 +40,8 @@ _LARGEST_M = 1e40
 """Largest coordinate of a check. Beyond 1e47 m depths overflow: they need products of several lengths."""
 MANY_PAIRS = 10_000
 """Two patterns of `ignore` with more combinations are skipped by classes of parts; others are listed, pair by pair."""
+_FLUSH_UNITS = 32.0
+"""Units in the last place of the largest coordinate that flush faces may be apart; the least `contact` of the core."""
 _INDEXED, _FOUND = 0.2, 0.9  # share of the progress when the index, and when the pairs are done
 
 
@@ -257,7 +260,8 @@ def _with_volumes(
     without: list[int] = []
     volumes, is_partial = columns.volume, False
     try:
-        volumes, without = shared_volumes(mockup, columns.a, columns.b, columns.verdict, columns.is_open, progress)
+        does_share = np.isin(columns.verdict, [each.code for each in OVERLAPS]) | (columns.depth > _flush(mockup))
+        volumes, without = shared_volumes(mockup, columns.a, columns.b, does_share, columns.is_open, progress)
     except KeyboardInterrupt:
         is_partial = True
     notes = [
@@ -265,6 +269,12 @@ def _with_volumes(
         "meet at the seams, or cross each other. Export again as solid, or repair the mesh"
     ]
     return replace(columns, volume=volumes), time.perf_counter() - started, is_partial, notes if without else []
+
+
+def _flush(mockup: Mockup) -> float:
+    """How deep flush faces may be by rounding, here or in the file, metres: what is no deeper shares no volume."""
+    largest = float(np.abs(mockup.bounds).max(initial=0.0, where=np.isfinite(mockup.bounds)))
+    return max(_least_contact(mockup), _FLUSH_UNITS * float(np.spacing(largest)))
 
 
 def _staged(progress: Progress | None, begin: float, end: float) -> Progress | None:

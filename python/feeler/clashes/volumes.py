@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.clashes.solids import shared_volume, solid_of
-from feeler.clashes.verdict import OVERLAPS
 from feeler.errors import OptionError
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
@@ -33,20 +32,21 @@ def shared_volumes(
     mockup: Mockup,
     a: npt.NDArray[np.uint32],
     b: npt.NDArray[np.uint32],
-    verdict: npt.NDArray[np.uint8],
+    does_share: npt.NDArray[np.bool_],
     is_open: npt.NDArray[np.bool_],
     progress: Progress | None = None,
 ) -> tuple[npt.NDArray[np.float64], list[int]]:
     """The shared volume of each pair, `(n,)`, cubic metres; and the closed parts that have none.
 
-    0 for contacts and clearances. NaN if a part is open, or if manifold3d rejects it: its surface intersects itself, or
-    an edge has more than two triangles. Never negative, and never more than the smaller part.
+    does_share: `(n,)`: which pairs to measure; others have 0. NaN if a part is open, or if manifold3d rejects it: its
+    surface intersects itself, or an edge has more than two triangles. Never negative, and never more than the smaller
+    part.
     """
     solids = _Solids(mockup, solids_library())
     are_closed = ~is_open.any(axis=1)
     found = np.where(are_closed, 0.0, math.nan)
     without: set[int] = set()
-    wanted = np.flatnonzero(np.isin(verdict, [each.code for each in OVERLAPS]) & are_closed)
+    wanted = np.flatnonzero(does_share & are_closed)
     # Sorted by part, so that a solid is built once for all its pairs.
     for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
         pair = int(a[row]), int(b[row])

@@ -78,11 +78,6 @@ def shared(clashes: Clashes) -> str:
     return f"{volume(float(clashes.volumes[is_known].sum()))} in all{more}"
 
 
-def shared_by(clash: Clash) -> str:
-    """The shared volume of one finding. A check does not measure overlaps that `contact` allows."""
-    return "not measured" if is_allowed(clash) else volume(clash.volume)
-
-
 def hidden(clashes: Clashes) -> str:
     """How many findings each rule hides; empty if no rule hides pairs."""
     return ", ".join(f"{count:,} by {name}" for name, count in clashes.hidden.items())

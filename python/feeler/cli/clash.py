@@ -360,8 +360,9 @@ def _print(
 ) -> None:
     from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
-    from feeler.clashes.words import extent, hidden, sentence, shared, shared_by
+    from feeler.clashes.words import extent, hidden, sentence, shared
     from feeler.cli import outputs
+    from feeler.words import volume
 
     out = outputs.console()
     if found.is_partial:
@@ -396,7 +397,7 @@ def _print(
         )
         rows: list[Any] = [
             (
-                *(row.verdict, extent(row), *([shared_by(row)] if total else []), row.path_a, row.path_b),
+                *(row.verdict, extent(row), *([volume(row.volume)] if total else []), row.path_a, row.path_b),
                 *([row.rule] if len(found.rule_names) > 1 else []),
                 *([row.status] if has_statuses else []),
             )
