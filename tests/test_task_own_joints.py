@@ -65,3 +65,63 @@ def test_a_pinch_bolt_with_a_nut_in_a_groove_is_undone(is_flat: bool) -> None:
     task = feeler.task(feeler.Scene(tilted(meshes(parts), int(is_flat))), "yoke", keep="shaft")
     assert steps(task)[:1] in ([("undo", "bolt")], [("undo", "nut")]), task.blocked
     assert steps(task)[-1] == ("take out", "yoke") and task.bound == pytest.approx(task.seconds)
+
+
+def on_a_foot(out: float) -> dict[str, Any]:
+    """A plate under a nut, on a thread that stands out by some millimetres beyond it."""
+    plate = block((-25, -25, 0), (25, 25, 10)) - cylinder(4.5, -1, 11)
+    return {
+        "plate": plate,
+        "nut": nut(10),
+        "stud": cylinder(4, -15, 16.8 + out),
+        "foot": block((-30, -30, -20), (30, 30, 0)),
+    }
+
+
+@pytest.mark.parametrize("out", [0.0, 1.0, 10.0, 30.0])
+def test_a_thread_in_one_piece_with_its_part_is_as_long_as_a_stud(out: float) -> None:
+    parts = on_a_foot(out)
+    apart = {**parts, "foot": parts["foot"] - cylinder(4.01, -15.01, 1)}
+    whole = {name: each for name, each in {**parts, "foot": parts["foot"] + parts["stud"]}.items() if name != "stud"}
+    strokes = []
+    for seed, some in enumerate((whole, apart)):
+        task = feeler.task(feeler.Scene(tilted(meshes(some), seed)), "nut", keep="foot")
+        assert steps(task) == [("undo", "nut")], task.blocked
+        strokes.append(task.steps[0].strokes)
+    assert strokes[0] == strokes[1] == np.ceil((6.8 + out) / 1.25 * 6.0)
+
+
+@pytest.mark.parametrize("room", [10.0, 40.0])
+def test_a_nut_needs_room_for_all_of_its_thread(room: float) -> None:
+    """A knob is on a neck above it."""
+    parts = on_a_foot(6.0)
+    parts["foot"] += parts.pop("stud") + cylinder(2.5, 16.7, 130)
+    parts["knob"] = cylinder(12, 16.8 + room, 126) - cylinder(2.52, 0, 131)
+    task = feeler.task(feeler.Scene(tilted(meshes(parts), 1)), "nut", keep=["foot", "knob"])
+    assert task.is_found == (room == 40.0), steps(task)
+    assert task.is_found or task.blocked[0].blockers == ("knob",)
+
+
+@pytest.mark.parametrize(("end", "head"), [(26.0, None), (-12.0, None), (26.0, 19.0)])
+def test_a_jam_nut_holds_nothing_and_its_screw_is_in_the_part(end: float, head: float | None) -> None:
+    """An adjusting screw with a slot, at its nut or at its tip, or with a head: its thread of 12 mm is in a lever."""
+    screw = cylinder(4, -12, 26)
+    if head is None:
+        screw -= block((-0.6, -10, end - 2), (0.6, 10, end + 2))
+    else:
+        screw += cylinder(13 / np.sqrt(3), 26, 31, 6)
+    parts = {
+        "lever": block((-40, -10, 0), (12, 10, 12)) - cylinder(4.01, -1, 13),
+        "screw": screw,
+        "jam nut": nut(12),
+        "block": block((-60, -20, -40), (-41, 20, 40)),
+    }
+    scene = feeler.Scene(tilted(meshes(parts), 2))
+    held = {row.path: row for row in feeler.holds(scene)}
+    assert (held["screw"].paths, held["screw"].anchor_path) == (("screw",), "lever"), held["screw"].because
+    assert (held["jam nut"].paths, held["jam nut"].anchor_path) == (("jam nut",), "screw"), held["jam nut"].because
+    task = feeler.task(scene, "screw", keep=["lever", "block"])
+    assert task.is_found, task.blocked
+    assert task.steps[-1].strokes >= 12 / 1.25 * 6
+    through = {**parts, "lever": parts["lever"] - cylinder(4.5, -1, 13)}
+    assert {row.path: row for row in feeler.holds(tilted(meshes(through), 1))}["jam nut"].anchor_path == "screw"

@@ -49,6 +49,8 @@ FREE = 0.15
 """The share of the bore of a nut beyond the end of its shank, from which another rod may be in it."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
+HEADLESS = 1.1
+"""The greatest width of screws without a head, in diameters."""
 SHORT = 0.5
 """Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
 AT_FITTING_M = 0.005
@@ -333,6 +335,10 @@ class _Holding:
         passed, washers = self._without_washers(row, self.passed[row.part])
         nuts, is_stud = self.nuts[row.part], _is_stud(row)
         mates = tuple(nut.part for nut in nuts)
+        jammed = None if is_stud else self._jammed(row, passed, washers)
+        if jammed is not None:
+            said = f"its thread is in {self._name(jammed.part)}, where {', '.join(map(self._name, mates))} locks it"
+            return self._held(row, [], washers, jammed.part, (), said)
         if row.part in self.circlip_on and not nuts:
             said = f"{self._name(self.circlip_on[row.part])} is in its groove or across it"
             return self._held(row, passed, washers, None, (), said)
@@ -371,6 +377,8 @@ class _Holding:
 
     def _of_nut(self, nut: Fastener, shank: Fastener) -> Hold:
         passed, washers = self._without_washers(shank, self.passed[shank.part])
+        if not _is_stud(shank) and self._jammed(shank, passed, washers) is not None:
+            return self._held(nut, [], [], shank.part, (), f"it locks {self._name(shank.part)} in its thread")
         height, is_upward = self._bearing(shank, nut), self._is_upward(shank, nut, passed)
         # Nuts on the same side lock each other: each has to be undone.
         others = [
@@ -404,6 +412,17 @@ class _Holding:
             return self._held(nut, clamped + both, washers, shank.part, (), f"it joins {self._names(both)}")
         clamped += joined
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
+
+    def _jammed(self, row: Fastener, passed: list[Passed], washers: list[int]) -> Passed | None:
+        """The part that a screw has its thread in, if nuts only lock it there: they hold nothing against its head."""
+        nuts, anchor = self.nuts[row.part], self._anchor(row, passed)
+        if not nuts or anchor is None or any(each.part != anchor.part for each in passed):
+            return None
+        is_headless = self._width(row) <= HEADLESS * row.size
+        if not is_headless and any(self._middle(row, nut) < max(each.top for each in passed) for nut in nuts):
+            return None
+        borne_by = [each.part for nut in nuts for each in self._borne(nut, washers)]
+        return anchor if all(part == anchor.part for part in borne_by) else None
 
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
         """What a head or a nut bears on, through its washers, also beside the shank."""
