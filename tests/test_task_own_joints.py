@@ -125,3 +125,25 @@ def test_a_jam_nut_holds_nothing_and_its_screw_is_in_the_part(end: float, head: 
     assert task.steps[-1].strokes >= 12 / 1.25 * 6
     through = {**parts, "lever": parts["lever"] - cylinder(4.5, -1, 13)}
     assert {row.path: row for row in feeler.holds(tilted(meshes(through), 1))}["jam nut"].anchor_path == "screw"
+
+
+@pytest.mark.parametrize("has_washer", [False, True])
+def test_a_nut_on_a_spindle_with_two_flats_holds_the_lever_under_its_washer(has_washer: bool) -> None:
+    """Their holes are no wider than the flats, which end flush with the washer: nothing else is in the bore."""
+
+    def flattened(radius: float, half: float, low: float, high: float) -> Any:
+        return cylinder(radius, low, high) ^ block((-half, -9, low), (half, 9, high))
+
+    top = 16.0 if has_washer else 14.0
+    parts = {
+        "body": block((-30, -25, -50), (30, 25, 0)) - cylinder(6.05, -40, 1),
+        "spindle": cylinder(6, -39, 8) + flattened(4.6, 3.2, 7.9, top) + cylinder(3, top - 0.1, top + 10),
+        "lever": block((-8, -9, 10), (90, 9, 14)) - flattened(4.65, 3.25, 9, 15),
+        "nut": nut(top, 3.02, 5.2, 10.0),
+    }
+    if has_washer:
+        parts["washer"] = cylinder(8, 14, 16) - flattened(4.65, 3.25, 13, 17)
+    for seed in range(2):
+        (row,) = feeler.holds(tilted(meshes(parts), seed))
+        washers = (list(parts).index("washer"),) if has_washer else ()
+        assert (row.paths, row.anchor_path, row.washers) == (("lever",), "spindle", washers), row

@@ -501,6 +501,10 @@ class _Holding:
         if not held:
             # The hub of a wheel is wider than the thread that the nut is on.
             held = [each for each in self._borne(nut, washers) if each.part != _part(anchor)]
+            held, more = self._without_washers(nut, held)
+            if more and not held:
+                washers = [*washers, *more]
+                held = [each for each in self._borne(nut, washers) if each.part != _part(anchor)]
         said = "nothing is in its bore" if anchor is None else f"its thread is on {self._name(anchor.part)}"
         return self._held(nut, held, washers, _part(anchor), (), said)
 
