@@ -147,3 +147,16 @@ def test_a_nut_on_a_spindle_with_two_flats_holds_the_lever_under_its_washer(has_
         (row,) = feeler.holds(tilted(meshes(parts), seed))
         washers = (list(parts).index("washer"),) if has_washer else ()
         assert (row.paths, row.anchor_path, row.washers) == (("lever",), "spindle", washers), row
+
+
+@pytest.mark.parametrize(("hole", "is_fitting"), [(7.25, False), (7.02, True)])
+def test_a_fitting_in_a_wide_hole_is_held_by_its_nut(hole: float, is_fitting: bool) -> None:
+    fitting = cylinder(7, -30, 30) + cylinder(19 / np.sqrt(3), -6, 0, 6) - cylinder(4, -40, 40)
+    parts = {
+        "wall": block((-40, -40, 0), (40, 40, 4)) - cylinder(hole, -1, 5),
+        "bulkhead union": fitting,
+        "nut": nut(4, 7.02, 6, 19),
+    }
+    rows = {row.path: row for row in feeler.holds(tilted(meshes(parts), 1))}
+    assert rows["nut"].paths == ("wall",) and rows["nut"].anchor_path == "bulkhead union"
+    assert ("bulkhead union" in rows) == is_fitting, rows

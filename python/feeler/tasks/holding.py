@@ -15,6 +15,7 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
+from feeler.plan.fastener_names import is_pipe
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.renamed import OldAttributes
@@ -49,6 +50,8 @@ FREE = 0.15
 """The share of the bore of a nut beyond the end of its shank, from which another rod may be in it."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
+BELOW = 0.1
+"""How far below a nut the hole of what it holds is measured, in diameters."""
 HEADLESS = 1.1
 """The greatest width of screws without a head, in diameters."""
 SHORT = 0.5
@@ -189,7 +192,10 @@ def holds(
         if not closing:
             kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for row in [each for each in kept.values() if each.kind == "fitting"]:
-        kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
+        if _is_clamped(scene, row, present, kept):
+            del kept[row.fastener]
+        else:
+            kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
     for whole in bearings:
         others = tuple(part for part in whole.parts if part not in given)
         kept[whole.lead] = _row(scene.mockup, whole.lead, BODY, others, (), None, (), whole.because)
@@ -218,6 +224,24 @@ def _closing(mockup: Mockup, row: Hold, clamp: Retained) -> Hold:
     paths = tuple(mockup.part_paths[part] for part in parts)
     said = f"its thread is in {row.anchor_path!r}, which it closes; what its clamps touch comes loose too"
     return replace(row, parts=parts, paths=paths, because=said)
+
+
+def _is_clamped(scene: Scene, fitting: Hold, fasteners: Iterable[Fastener], rows: Mapping[int, Hold]) -> bool:
+    """Whether a nut holds a fitting that has neither a thread in what it is in nor a pipe: the hole is wide."""
+    ends = {fitting.fastener, fitting.anchor}
+    if any(is_pipe(scene.mockup.part_names[part]) for part in fitting.parts):
+        return False
+    for nut in fasteners:
+        row = rows.get(nut.part)
+        clamped = ends.intersection(() if row is None else row.parts) - {None}
+        if nut.kind == "nut" and row is not None and row.anchor in ends and clamped - {row.anchor}:
+            point = nut.frame[:3, 3] - (_finite(nut.length) + BELOW * nut.size) * nut.axis
+            ways = around(nut.frame)
+            hits = scene.only(sorted(clamped)).rays(np.broadcast_to(point, ways.shape), ways, within=nut.size)
+            far = np.where(np.asarray(hits.triangles) >= 0, np.asarray(hits.distances), 0.0)
+            if float(np.median(far)) > TIGHT * 0.5 * nut.size:
+                return True
+    return False
 
 
 def _without_nuts(mockup: Mockup, fitting: Hold, rows: Iterable[Hold]) -> Hold:
