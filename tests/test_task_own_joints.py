@@ -160,3 +160,22 @@ def test_a_fitting_in_a_wide_hole_is_held_by_its_nut(hole: float, is_fitting: bo
     rows = {row.path: row for row in feeler.holds(tilted(meshes(parts), 1))}
     assert rows["nut"].paths == ("wall",) and rows["nut"].anchor_path == "bulkhead union"
     assert ("bulkhead union" in rows) == is_fitting, rows
+
+
+@pytest.mark.parametrize("is_touching", [True, False])
+def test_a_nut_holds_what_is_under_the_shoulder_of_a_grommet(is_touching: bool) -> None:
+    """A cover that the stud and the nut are clear of."""
+    gap = 0.0 if is_touching else 1.0
+    cover = block((-30, -30, 0), (30, 30, 30)) - block((-26, -26, -1), (26, 26, 27)) - cylinder(7 + gap, 20, 31)
+    grommet = cylinder(7, 27, 30.1) + cylinder(10, 30 + gap, 33 + gap) - cylinder(4.5, 20, 40)
+    parts = {
+        "base": block((-30, -30, -30), (30, 30, 0)) - cylinder(4.01, -20, 1),
+        "cover": cover,
+        "stud": cylinder(4, -20, 46),
+        "grommet": grommet + cylinder(7, 30, 30.5 + gap) - cylinder(4.5, 20, 40),
+        "nut": nut(33 + gap),
+    }
+    for seed in range(2):
+        rows = {row.path: row for row in feeler.holds(tilted(meshes(parts), seed))}
+        expected = {"grommet", "cover"} if is_touching else {"grommet"}
+        assert set(rows["nut"].paths) == expected, rows["nut"]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from feeler.arguments import check_kind, check_list, check_progress, check_whole, near, shown
 from feeler.errors import OptionError
 from feeler.field_docs import documented
-from feeler.mockup import Mockup
+from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import is_pipe
@@ -67,6 +67,10 @@ CLOSING = ("bolt", "screw", "nut")
 OUTER_DRIVES = ("hexagon", "square", "12-point")
 WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
+
+
+TALL = 2.0
+"""The height of rings with a shoulder, in diameters."""
 
 
 @documented
@@ -228,12 +232,12 @@ def _closing(mockup: Mockup, row: Hold, clamp: Retained) -> Hold:
 
 def _is_clamped(scene: Scene, fitting: Hold, fasteners: Iterable[Fastener], rows: Mapping[int, Hold]) -> bool:
     """Whether a nut holds a fitting that has neither a thread in what it is in nor a pipe: the hole is wide."""
-    ends = {fitting.fastener, fitting.anchor}
+    ends = {fitting.fastener, *([] if fitting.anchor is None else [fitting.anchor])}
     if any(is_pipe(scene.mockup.part_names[part]) for part in fitting.parts):
         return False
     for nut in fasteners:
         row = rows.get(nut.part)
-        clamped = ends.intersection(() if row is None else row.parts) - {None}
+        clamped = ends.intersection(() if row is None else row.parts)
         if nut.kind == "nut" and row is not None and row.anchor in ends and clamped - {row.anchor}:
             point = nut.frame[:3, 3] - (_finite(nut.length) + BELOW * nut.size) * nut.axis
             ways = around(nut.frame)
@@ -371,6 +375,7 @@ class _Holding:
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
             clamped = [each for each in passed if each.top > height + PLAY * row.size]
             clamped += self._borne(row, washers) + self._borne(nut, washers)
+            clamped += self._shouldered(row, washers, clamped) + self._shouldered(nut, washers, clamped)
             clamped += self._beside(row, washers, clamped, height, nut.part)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
         inserts = self._inserts(row, passed)
@@ -393,6 +398,7 @@ class _Holding:
                 said = f"its shank is not drawn; its head lies on {self._names(passed)}"
             return self._held(row, passed + self._borne(row, washers), washers, None, (), said)
         clamped = [each for each in passed if each.top > anchor.top] + self._borne(row, washers)
+        clamped += self._shouldered(row, washers, clamped)
         clamped = [each for each in clamped if each.part != anchor.part]
         clamped += self._beside(row, washers, clamped, anchor.top, anchor.part)
         how = "as wide as its thread" if _is_tight(row, anchor) else "where its tip ends"
@@ -423,6 +429,7 @@ class _Holding:
         clamped += self._borne(nut, washers)
         if not _is_stud(shank):
             clamped += self._borne(shank, washers)
+        clamped += self._shouldered(nut, washers, clamped)
         clamped = [each for each in clamped if each.part != _part(anchor)]
         if anchor is not None:
             point = shank.frame[:3, 3] + (anchor.top if is_upward else anchor.bottom) * shank.axis
@@ -456,6 +463,19 @@ class _Holding:
         below, wide = self._face(row, washers)
         parts = borne(self.windings, self.bare.without(washers) if washers else self.bare, row, below, wide)
         return [Passed(part, below, below, 0.0) for part in parts]
+
+    def _shouldered(self, row: Fastener, washers: list[int], held: list[Passed]) -> list[Passed]:
+        """What rings with a shoulder bear on, if a head or a nut holds nothing but such: grommets, flanged bushes."""
+        rings = sorted({each.part for each in held})
+        if not rings or not all(self._is_round_it(row, part, TALL) for part in rings):
+            return []
+        local = np.concatenate([self.meshes.mesh(part)[0] - row.frame[:3, 3] for part in rings]) @ row.frame[:3, :3]
+        below, wide = self._face(row, washers)[0], 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+        bare = self.bare.without([*rings, *washers])
+        parts = borne(self.windings, bare, row, below, wide, max(0.0, below - float(local[:, 2].min())))
+        tool = Tool.of_parts(self.mockup, rings)
+        near = set(self.bare.only(parts).clearance(tool, np.eye(4), PLAY * row.size).parts.tolist()) if parts else set()
+        return [Passed(part, below, below, 0.0) for part in parts if part in near]
 
     def _face(self, row: Fastener, washers: list[int]) -> tuple[float, float]:
         """Height and diameter of the face that a head or a nut bears with, its washers included."""
@@ -577,13 +597,17 @@ class _Holding:
 
     def _is_ring(self, row: Fastener, part: int) -> bool:
         """Whether a part looks like a washer of a fastener."""
+        return self._is_round_it(row, part, WASHER_HEIGHT)
+
+    def _is_round_it(self, row: Fastener, part: int, height: float) -> bool:
+        """Whether a part is a ring about a fastener, no wider than its washers. height: the greatest, in diameters."""
         flats = row.across_flats if np.isfinite(row.across_flats) else 0.0
         widest = WASHER_WIDTH * max(flats, 1.8 * row.size)
         if self.sizes[part].max() > 1.01 * widest:
             return False
         local = (self.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
         radius = np.hypot(local[:, 0], local[:, 1])
-        is_flat = float(np.ptp(local[:, 2])) <= WASHER_HEIGHT * row.size
+        is_flat = float(np.ptp(local[:, 2])) <= height * row.size
         return bool(is_flat and 2.0 * radius.max() <= widest and radius.min() > 0.4 * row.size)
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:

@@ -347,11 +347,11 @@ def surrounding(scene: Scene, point: Floats, frame: Floats, within: float) -> in
     return int(names[int(np.argmax(counts))])
 
 
-def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
+def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: float, deeper: float = 0.0) -> list[int]:
     """The parts that a head, a nut or its washers bear on at a height, beside its shank too.
 
     windings: of the whole scene; scene: without the fasteners; below: the height of the bearing face in the frame of
-    the fastener; wide: its diameter, metres.
+    the fastener; wide: its diameter, metres; deeper: how far below they may begin.
     """
     if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
         return []
@@ -360,7 +360,7 @@ def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: f
     for share in _SEAT_SHARES:
         radius = 0.5 * (row.size + share * (wide - row.size))
         origins = row.frame[:3, 3] + (below + play) * row.axis + radius * ring
-        parts = _entered(windings, scene, origins, -row.axis, 2.0 * play)
+        parts = _entered(windings, scene, origins, -row.axis, 2.0 * play + deeper)
         names, counts = np.unique(parts[parts >= 0], return_counts=True)
         for name, count in zip(names.tolist(), counts.tolist(), strict=True):
             if count >= _SEAT_LEAST * _SEATED:
