@@ -19,7 +19,7 @@ from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of
 from feeler.tasks.holding import BODY, Hold, Holds
-from feeler.tasks.passing import LEVELS, Passed, in_bore, is_against, passed_by
+from feeler.tasks.passing import LEVELS, Passed, in_bore, is_against, passed_by, standing_out
 from feeler.tasks.retainers import gripped
 from feeler.tasks.thread_sizes import nominal
 from feeler.tasks.times import Arithmetic, Turns
@@ -291,8 +291,9 @@ class Fixings:
                 return max(row.size, shanks[0].size), row.length + _beyond(row, shanks[0])
             around = self.scene.only([anchor]) if anchor in self._rows else self._bare
             thread = [each for each in in_bore(around, row, self._meshes) if each.part == anchor]
-            if thread:
-                return 2.0 * thread[0].radius, min(thread[0].top - thread[0].bottom + row.length / LEVELS, row.length)
+            if thread and anchor is not None:
+                inside = min(thread[0].top - thread[0].bottom + row.length / LEVELS, row.length)
+                return 2.0 * thread[0].radius, inside + self._standing_out(row, anchor, thread[0])
             return row.size, row.length
         nuts = [self._rows[mate] for mate in hold.mates if mate in self._rows]
         if nuts:
@@ -304,6 +305,13 @@ class Fixings:
             # It is turned until its end is out of the thread, also where it stands out behind.
             return row.size, min(self._rim(row, thread[-1]), -head) + head + row.length
         return row.size, row.length
+
+    def _standing_out(self, nut: Fastener, anchor: int, thread: Passed) -> float:
+        """How far the thread of a part goes on above its nut, metres."""
+        if thread.top < -2.0 * nut.length / LEVELS:
+            return 0.0
+        far = float(((self._meshes.mesh(anchor)[0] - nut.frame[:3, 3]) @ nut.axis).max())
+        return standing_out(self.scene.only([anchor]), nut, thread.radius, far)
 
     def _rim(self, row: Fastener, thread: Passed) -> float:
         """The height of the edge of a threaded hole along a shank, metres, by rays beside it."""

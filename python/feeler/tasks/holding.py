@@ -12,9 +12,10 @@ import numpy.typing as npt
 from feeler.arguments import check_kind, check_list, check_progress, check_whole, near, shown
 from feeler.errors import OptionError
 from feeler.field_docs import documented
-from feeler.mockup import Mockup
+from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
+from feeler.plan.fastener_names import is_pipe
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.renamed import OldAttributes
@@ -49,6 +50,10 @@ FREE = 0.15
 """The share of the bore of a nut beyond the end of its shank, from which another rod may be in it."""
 ON_AXIS = 0.3
 """How far from the axis a nut of a shank may be, in diameters of the shank."""
+BELOW = 0.1
+"""How far below a nut the hole of what it holds is measured, in diameters."""
+HEADLESS = 1.1
+"""The greatest width of screws without a head, in diameters."""
 SHORT = 0.5
 """Bolts and screws whose shank is shorter, in diameters, are drawn without one."""
 AT_FITTING_M = 0.005
@@ -62,6 +67,10 @@ CLOSING = ("bolt", "screw", "nut")
 OUTER_DRIVES = ("hexagon", "square", "12-point")
 WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
+
+
+TALL = 2.0
+"""The height of rings with a shoulder, in diameters."""
 
 
 @documented
@@ -187,7 +196,10 @@ def holds(
         if not closing:
             kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for row in [each for each in kept.values() if each.kind == "fitting"]:
-        kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
+        if _is_clamped(scene, row, present, kept):
+            del kept[row.fastener]
+        else:
+            kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
     for whole in bearings:
         others = tuple(part for part in whole.parts if part not in given)
         kept[whole.lead] = _row(scene.mockup, whole.lead, BODY, others, (), None, (), whole.because)
@@ -216,6 +228,24 @@ def _closing(mockup: Mockup, row: Hold, clamp: Retained) -> Hold:
     paths = tuple(mockup.part_paths[part] for part in parts)
     said = f"its thread is in {row.anchor_path!r}, which it closes; what its clamps touch comes loose too"
     return replace(row, parts=parts, paths=paths, because=said)
+
+
+def _is_clamped(scene: Scene, fitting: Hold, fasteners: Iterable[Fastener], rows: Mapping[int, Hold]) -> bool:
+    """Whether a nut holds a fitting that has neither a thread in what it is in nor a pipe: the hole is wide."""
+    ends = {fitting.fastener, *([] if fitting.anchor is None else [fitting.anchor])}
+    if any(is_pipe(scene.mockup.part_names[part]) for part in fitting.parts):
+        return False
+    for nut in fasteners:
+        row = rows.get(nut.part)
+        clamped = ends.intersection(() if row is None else row.parts)
+        if nut.kind == "nut" and row is not None and row.anchor in ends and clamped - {row.anchor}:
+            point = nut.frame[:3, 3] - (_finite(nut.length) + BELOW * nut.size) * nut.axis
+            ways = around(nut.frame)
+            hits = scene.only(sorted(clamped)).rays(np.broadcast_to(point, ways.shape), ways, within=nut.size)
+            far = np.where(np.asarray(hits.triangles) >= 0, np.asarray(hits.distances), 0.0)
+            if float(np.median(far)) > TIGHT * 0.5 * nut.size:
+                return True
+    return False
 
 
 def _without_nuts(mockup: Mockup, fitting: Hold, rows: Iterable[Hold]) -> Hold:
@@ -333,6 +363,10 @@ class _Holding:
         passed, washers = self._without_washers(row, self.passed[row.part])
         nuts, is_stud = self.nuts[row.part], _is_stud(row)
         mates = tuple(nut.part for nut in nuts)
+        jammed = None if is_stud else self._jammed(row, passed, washers)
+        if jammed is not None:
+            said = f"its thread is in {self._name(jammed.part)}, where {', '.join(map(self._name, mates))} locks it"
+            return self._held(row, [], washers, jammed.part, (), said)
         if row.part in self.circlip_on and not nuts:
             said = f"{self._name(self.circlip_on[row.part])} is in its groove or across it"
             return self._held(row, passed, washers, None, (), said)
@@ -341,6 +375,7 @@ class _Holding:
             height, mates = self._bearing(row, nut), (nut.part,)  # a lock nut behind it goes first
             clamped = [each for each in passed if each.top > height + PLAY * row.size]
             clamped += self._borne(row, washers) + self._borne(nut, washers)
+            clamped += self._shouldered(row, washers, clamped) + self._shouldered(nut, washers, clamped)
             clamped += self._beside(row, washers, clamped, height, nut.part)
             return self._held(row, clamped, washers, nut.part, mates, f"its shank ends in {self._name(nut.part)}")
         inserts = self._inserts(row, passed)
@@ -363,6 +398,7 @@ class _Holding:
                 said = f"its shank is not drawn; its head lies on {self._names(passed)}"
             return self._held(row, passed + self._borne(row, washers), washers, None, (), said)
         clamped = [each for each in passed if each.top > anchor.top] + self._borne(row, washers)
+        clamped += self._shouldered(row, washers, clamped)
         clamped = [each for each in clamped if each.part != anchor.part]
         clamped += self._beside(row, washers, clamped, anchor.top, anchor.part)
         how = "as wide as its thread" if _is_tight(row, anchor) else "where its tip ends"
@@ -371,6 +407,8 @@ class _Holding:
 
     def _of_nut(self, nut: Fastener, shank: Fastener) -> Hold:
         passed, washers = self._without_washers(shank, self.passed[shank.part])
+        if not _is_stud(shank) and self._jammed(shank, passed, washers) is not None:
+            return self._held(nut, [], [], shank.part, (), f"it locks {self._name(shank.part)} in its thread")
         height, is_upward = self._bearing(shank, nut), self._is_upward(shank, nut, passed)
         # Nuts on the same side lock each other: each has to be undone.
         others = [
@@ -391,6 +429,7 @@ class _Holding:
         clamped += self._borne(nut, washers)
         if not _is_stud(shank):
             clamped += self._borne(shank, washers)
+        clamped += self._shouldered(nut, washers, clamped)
         clamped = [each for each in clamped if each.part != _part(anchor)]
         if anchor is not None:
             point = shank.frame[:3, 3] + (anchor.top if is_upward else anchor.bottom) * shank.axis
@@ -405,6 +444,17 @@ class _Holding:
         clamped += joined
         return self._held(nut, clamped, washers, shank.part, mates, f"it is on {self._name(shank.part)}")
 
+    def _jammed(self, row: Fastener, passed: list[Passed], washers: list[int]) -> Passed | None:
+        """The part that a screw has its thread in, if nuts only lock it there: they hold nothing against its head."""
+        nuts, anchor = self.nuts[row.part], self._anchor(row, passed)
+        if not nuts or anchor is None or any(each.part != anchor.part for each in passed):
+            return None
+        is_headless = self._width(row) <= HEADLESS * row.size
+        if not is_headless and any(self._middle(row, nut) < max(each.top for each in passed) for nut in nuts):
+            return None
+        borne_by = [each.part for nut in nuts for each in self._borne(nut, washers)]
+        return anchor if all(part == anchor.part for part in borne_by) else None
+
     def _borne(self, row: Fastener, washers: list[int]) -> list[Passed]:
         """What a head or a nut bears on, through its washers, also beside the shank."""
         height = row.length if row.kind == "nut" else row.head_height
@@ -413,6 +463,19 @@ class _Holding:
         below, wide = self._face(row, washers)
         parts = borne(self.windings, self.bare.without(washers) if washers else self.bare, row, below, wide)
         return [Passed(part, below, below, 0.0) for part in parts]
+
+    def _shouldered(self, row: Fastener, washers: list[int], held: list[Passed]) -> list[Passed]:
+        """What rings with a shoulder bear on, if a head or a nut holds nothing but such: grommets, flanged bushes."""
+        rings = sorted({each.part for each in held})
+        if not rings or not all(self._is_round_it(row, part, TALL) for part in rings):
+            return []
+        local = np.concatenate([self.meshes.mesh(part)[0] - row.frame[:3, 3] for part in rings]) @ row.frame[:3, :3]
+        below, wide = self._face(row, washers)[0], 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+        bare = self.bare.without([*rings, *washers])
+        parts = borne(self.windings, bare, row, below, wide, max(0.0, below - float(local[:, 2].min())))
+        tool = Tool.of_parts(self.mockup, rings)
+        near = set(self.bare.only(parts).clearance(tool, np.eye(4), PLAY * row.size).parts.tolist()) if parts else set()
+        return [Passed(part, below, below, 0.0) for part in parts if part in near]
 
     def _face(self, row: Fastener, washers: list[int]) -> tuple[float, float]:
         """Height and diameter of the face that a head or a nut bears with, its washers included."""
@@ -482,6 +545,10 @@ class _Holding:
         if not held:
             # The hub of a wheel is wider than the thread that the nut is on.
             held = [each for each in self._borne(nut, washers) if each.part != _part(anchor)]
+            held, more = self._without_washers(nut, held)
+            if more and not held:
+                washers = [*washers, *more]
+                held = [each for each in self._borne(nut, washers) if each.part != _part(anchor)]
         said = "nothing is in its bore" if anchor is None else f"its thread is on {self._name(anchor.part)}"
         return self._held(nut, held, washers, _part(anchor), (), said)
 
@@ -530,13 +597,17 @@ class _Holding:
 
     def _is_ring(self, row: Fastener, part: int) -> bool:
         """Whether a part looks like a washer of a fastener."""
+        return self._is_round_it(row, part, WASHER_HEIGHT)
+
+    def _is_round_it(self, row: Fastener, part: int, height: float) -> bool:
+        """Whether a part is a ring about a fastener, no wider than its washers. height: the greatest, in diameters."""
         flats = row.across_flats if np.isfinite(row.across_flats) else 0.0
         widest = WASHER_WIDTH * max(flats, 1.8 * row.size)
         if self.sizes[part].max() > 1.01 * widest:
             return False
         local = (self.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
         radius = np.hypot(local[:, 0], local[:, 1])
-        is_flat = float(np.ptp(local[:, 2])) <= WASHER_HEIGHT * row.size
+        is_flat = float(np.ptp(local[:, 2])) <= height * row.size
         return bool(is_flat and 2.0 * radius.max() <= widest and radius.min() > 0.4 * row.size)
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:

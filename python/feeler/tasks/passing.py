@@ -33,6 +33,8 @@ _THIN = 0.01  # of the length of a shank
 _NARROW, _FEW = 0.2, 5  # a share of the heights of a hole, and the least number of them
 _STEP = 1e-7  # metres beyond a hit, where the next ray begins
 _BORE = (0.62, 0.48)  # where rays into a nut begin: in bores, in widths across flats
+_FINE, _MOST_LEVELS = 0.05, 400  # how far levels of a thread beyond its nut are from each other, in its radii
+_OUTSIDE, _CREST, _ROOT = 1.1, 0.8, 0.7  # where rays at it begin, and its least radii, in those in its nut
 SEAT = 0.02
 """A head bears on what is this near, in diameters; one that is no higher is a cone, which bears in its hole."""
 _SEATED = 36  # rays around its axis
@@ -277,6 +279,27 @@ def in_bore(scene: Scene, nut: Fastener, meshes: PartMeshes) -> list[Passed]:
     return _around(parts, begin - far, levels)
 
 
+def standing_out(alone: Scene, nut: Fastener, radius: float, far: float) -> float:
+    """How far a thread goes on above the top of its nut, metres, by rays towards its axis.
+
+    alone: the part with the thread; radius: that of the thread, metres; far: how far above the nut the part ends.
+    """
+    if not (radius > 0.0 and far > 0.0 and np.isfinite(far)):
+        return 0.0
+    count = int(np.clip(np.ceil(far / (_FINE * radius)), LEVELS, _MOST_LEVELS))
+    step = far / count
+    heights = step * (np.arange(count) + 0.5)
+    ways = _ring() @ nut.frame[:3, :3].T
+    middles = nut.frame[:3, 3] + heights[:, None] * nut.axis
+    begin = _OUTSIDE * radius
+    directions = np.broadcast_to(-ways, (count, _AROUND, 3)).reshape(-1, 3)
+    hits = alone.rays((middles[:, None] + begin * ways).reshape(-1, 3), directions, within=begin)
+    wide = np.where(np.asarray(hits.triangles) >= 0, begin - np.asarray(hits.distances), 0.0).reshape(count, _AROUND)
+    # The crests of a thread that is drawn as a helix are as wide as a plain one.
+    is_on = (wide.max(axis=1) >= _CREST * radius) & ((wide >= _ROOT * radius).sum(axis=1) >= _MOST * _AROUND)
+    return step * (count if is_on.all() else int(np.argmin(is_on)))
+
+
 def _beside_bore(meshes: PartMeshes, nut: Fastener, levels: Floats) -> Floats:
     """How far from the axis rays into a nut begin at each height, metres: in its wall, outside of a thread that is
     drawn wider than the bore.
@@ -324,11 +347,11 @@ def surrounding(scene: Scene, point: Floats, frame: Floats, within: float) -> in
     return int(names[int(np.argmax(counts))])
 
 
-def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: float) -> list[int]:
+def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: float, deeper: float = 0.0) -> list[int]:
     """The parts that a head, a nut or its washers bear on at a height, beside its shank too.
 
     windings: of the whole scene; scene: without the fasteners; below: the height of the bearing face in the frame of
-    the fastener; wide: its diameter, metres.
+    the fastener; wide: its diameter, metres; deeper: how far below they may begin.
     """
     if not (np.isfinite(row.size) and np.isfinite(below) and wide > row.size > 0.0):
         return []
@@ -337,7 +360,7 @@ def borne(windings: Windings, scene: Scene, row: Fastener, below: float, wide: f
     for share in _SEAT_SHARES:
         radius = 0.5 * (row.size + share * (wide - row.size))
         origins = row.frame[:3, 3] + (below + play) * row.axis + radius * ring
-        parts = _entered(windings, scene, origins, -row.axis, 2.0 * play)
+        parts = _entered(windings, scene, origins, -row.axis, 2.0 * play + deeper)
         names, counts = np.unique(parts[parts >= 0], return_counts=True)
         for name, count in zip(names.tolist(), counts.tolist(), strict=True):
             if count >= _SEAT_LEAST * _SEATED:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
@@ -356,7 +356,7 @@ class _Planner:
         found = self._found(self.clock.within)
         for _ in range(MOST_PLANS):
             if found.steps is None:
-                self.stuck = self.question.parts_of(found.stuck)
+                self.stuck = self.question.parts_of([*found.stuck, *self._riders(found.stuck)])
                 self.plugs = plugs_in_the_way(self.question.scene, self.actions.fixings, self.stuck)
                 if self.gives_up(self.plugs) or not (found.is_complete and self._try_bent(found)):
                     break
@@ -372,6 +372,11 @@ class _Planner:
             return self._blocked(found)
         is_late = not self.clock.goes_on()
         return self._so_far("The time was up" if is_late else f"The ways of {MOST_PLANS} plans did not hold, its limit")
+
+    def _riders(self, items: Iterable[int]) -> frozenset[int]:
+        """What can ride on parts."""
+        parts = [item for item in items if not self.actions.is_turned(item)]
+        return frozenset[int]().union(*map(self.actions.riding, parts))
 
     def _found(self, told: Callable[[float], None] = lambda share: None) -> Found:
         self.clock.tell("searching the quickest order")
