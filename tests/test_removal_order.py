@@ -57,6 +57,9 @@ def test_what_is_wanted_is_not_kept(chest: feeler.Scene) -> None:
     for keep in ("thing", ["chest", "thing"]):
         with pytest.raises(feeler.OptionError, match="'thing' is wanted and kept"):
             feeler.removal_order(chest, ["thing", "lid"], threads=1, keep=keep)
+    # Of several, such as an assembly, the wanted ones leave.
+    order = feeler.removal_order(chest, "cover", threads=1, keep="*")
+    assert order.is_found and names(chest, order.parts) == ["cover"]
 
 
 def test_the_scene_says_what_is_there(chest: feeler.Scene) -> None:

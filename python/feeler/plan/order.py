@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -125,7 +125,7 @@ def removal_order(
 
     - Parts that block each other leave together in one step if none comes out alone.
     - Fasteners leave before the parts that they join (`find_fasteners`), unless they are kept or do not come out.
-    - `keep`: parts that must stay, as `Parts.select` takes them.
+    - `keep`: parts that must stay, as `Parts.select` takes them. Of an assembly, the wanted parts in it do leave.
     - `seconds`: in total. Without `rounds` the search ends earlier only if it finds an order.
     - `rounds`: the most rounds of each attempt with pushes and random trees, instead of a share of the time. The search
       ends when no attempt of that many helps. An order that `seconds` did not cut (`is_out_of_time`) is the same on
@@ -137,8 +137,8 @@ def removal_order(
     The order is the shortest of those with straight motions. A part that none of these takes out is tried by pushes and
     random trees as well; so are `parts` before it is said that others have to go.
 
-    Raises the errors of `feeler.removal`, and `OptionError` for parts that are in `keep` too. Ctrl-C
-    ends it with `RemovalOrderInterrupted`, which has the best attempt.
+    Raises the errors of `feeler.removal`, and `OptionError` for wanted parts that `keep` names by
+    themselves. Ctrl-C ends it with `RemovalOrderInterrupted`, which has the best attempt.
     """
     limit = check_number("seconds", seconds, "more than 0", above=0.0, is_endless=True)
     check_progress(progress)
@@ -152,9 +152,10 @@ def removal_order(
         raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
     wanted = tuple(int(each) for each in scene.mockup.parts.select(parts))
     kept = frozenset[int]() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
-    for part in sorted(kept.intersection(wanted)):
+    if (part := _kept_for_itself(scene, wanted, keep)) is not None:
         path = scene.mockup.part_paths[part]
         raise OptionError(f"part {path!r} is wanted and kept: leave it out of parts or of keep")
+    kept -= set(wanted)
     question = Question(
         scene,
         wanted,
@@ -177,6 +178,19 @@ def removal_order(
         except KeyboardInterrupt:
             steps = () if search.last is None else (RemovalStep(wanted, search.last),)
             raise RemovalOrderInterrupted(RemovalOrder(False, steps, clock.spent)) from None
+
+
+def _kept_for_itself(scene: Scene, wanted: Sequence[int], keep: PartsLike | None) -> int | None:
+    """A wanted part that an entry of `keep` names without others."""
+    if keep is None:
+        return None
+    select = scene.mockup.parts.select
+    entries = keep if isinstance(keep, (list, tuple)) else [keep] if isinstance(keep, str) else select(keep).tolist()
+    for each in entries:
+        chosen: set[int] = set(select([each]).tolist())
+        if chosen and chosen.issubset(wanted):
+            return min(chosen)
+    return None
 
 
 class _Search:
