@@ -20,10 +20,14 @@ def advice(clashes: Clashes) -> list[str]:
     present = facts.present if facts.present is not None else facts.parts
     if present < 2 and not len(clashes):
         what = "1 part" if present == 1 else "no part"
-        found.append(
-            f"{what} only: there is nothing to check against. Pass an assembly, or several files. A model that was "
-            "exported as one body counts as one part"
-        )
+        if facts.parts > present:
+            left = f"{what} of {facts.parts:,} is in the check"
+            found.append(f"{left}, so there is nothing to check against: leave fewer parts out")
+        else:
+            found.append(
+                f"{what} only: there is nothing to check against. Pass an assembly, or several files. A model that was "
+                "exported as one body counts as one part"
+            )
     elif not len(clashes) and not clashes.is_partial:
         found.append(_nothing(clashes))
     if facts.open_parts:
