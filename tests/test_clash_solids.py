@@ -65,6 +65,18 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
         Verdict.CONTAINED,
         0.5,
     ),
+    "a shell around the same hollow": (
+        joined(box((-4, -4, -4), (5, 5, 5)), inverted(SOLID)),
+        joined(box((-2, -2, -2), (3, 3, 3)), inverted(SOLID)),
+        Verdict.CONTAINED,
+        2.0,
+    ),
+    "a block beside a hollow, flush": (
+        joined(box((-4, -4, -4), (5, 5, 5)), inverted(SOLID)),
+        box((1, 0, 0), (2, 1, 1)),
+        Verdict.CONTAINED,
+        1.0,
+    ),
     "a hollow solid inside": (box((-2, -2, -2), (3, 3, 3)), HOLLOW, Verdict.CONTAINED, 2.0),
     "a shell in a wall, around its hollow": (
         joined(box((-2, -2, -2), (3, 3, 3)), inverted(SOLID)),

@@ -17,8 +17,8 @@ struct Piece {
     bounds: Aabb,
     /// Whether it is a closed surface around material, and no hollow or open surface.
     is_solid: bool,
-    /// A corner of each of its closed surfaces.
-    corners: Vec<Point>,
+    /// The triangles of each of its hollows.
+    hollows: Vec<Vec<u32>>,
 }
 
 /// Whether one of two parts has several solids, and a solid of the one is in the same place as one of the other.
@@ -91,9 +91,9 @@ pub fn is_overfilled(
     asked.into_iter().any(|i| {
         let (solid, other) = (solids.of(parts[i]), &*bodies[1 - i]);
         pieces(&solid).iter().any(|piece| {
-            let has_hollows = piece.is_solid && piece.corners.len() > 1;
-            has_hollows
-                && piece.corners.iter().any(|p| is_inside(other, p))
+            let is_filled = |hollow: &Vec<u32>| is_deeper_from([&body_of(&solid, hollow), other], within);
+            piece.is_solid
+                && piece.hollows.iter().any(is_filled)
                 && !is_holding([&body_of(&solid, &piece.triangles), other], within)
         })
     })
@@ -107,8 +107,7 @@ fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
     for shell in solid.shells() {
         let triangles = connected(solid, shell.first, &mut left);
         let is_solid = six_volumes(solid, &triangles) > 0.0;
-        let corners = vec![solid.triangle(shell.first)[0]];
-        let piece = Piece { triangles, bounds: shell.bounds, is_solid, corners };
+        let piece = Piece { triangles, bounds: shell.bounds, is_solid, hollows: Vec::new() };
         (if is_solid { &mut found } else { &mut hollows }).push(piece);
     }
     for hollow in hollows {
@@ -122,8 +121,8 @@ fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
         let holder = found.iter_mut().filter(|piece| piece.is_solid).filter(around);
         match holder.min_by(|a, b| size(a).total_cmp(&size(b))) {
             Some(holder) => {
-                holder.triangles.extend(hollow.triangles);
-                holder.corners.extend(hollow.corners);
+                holder.triangles.extend(&hollow.triangles);
+                holder.hollows.push(hollow.triangles);
             }
             None => found.push(hollow),
         }
@@ -131,7 +130,7 @@ fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
     let rest: Vec<u32> = solid.triangles().filter(|own| left[*own as usize]).collect();
     if !rest.is_empty() {
         let bounds = rest.iter().fold(Aabb::EMPTY, |all, own| all.union(&Aabb::of_triangle(&solid.triangle(*own))));
-        found.push(Piece { triangles: rest, bounds, is_solid: false, corners: Vec::new() });
+        found.push(Piece { triangles: rest, bounds, is_solid: false, hollows: Vec::new() });
     }
     found
 }
