@@ -29,7 +29,7 @@ impl Surroundings {
         Ok(self.start_depths.get().and_then(|all| all.get(body)).map_or(&[], Vec::as_slice))
     }
 
-    /// How deep a part of a body may be, metres: the play of what touches at the start; of others as then, and as exactly as fits are known.
+    /// How deep a part of a body may be, metres: its depth at the start, and the play of a touching part or the error of a fit.
     fn most_depth(&self, body: usize, part: u32, go_on: GoOn<'_>) -> Result<f64> {
         let known = self.depths_at_start(body, go_on)?.iter().find(|(own, _)| *own == part);
         let depth = known.map_or(0.0, |(_, depth)| *depth);

@@ -289,7 +289,7 @@ impl Surroundings {
                     return Ok(Some(plane.part));
                 }
             }
-            // What is thinner than the walls around it is in them without a crossing, or behind none of their planes.
+            // A part thinner than a wall can lie inside it: no triangles cross there, and no contact plane shows it.
             return self.deeper_than_the_overlap(body, &asked.ordinary, pose, go_on);
         }
         Ok(None)

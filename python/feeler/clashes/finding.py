@@ -272,7 +272,7 @@ def _with_volumes(
 
 
 def _flush(mockup: Mockup) -> float:
-    """How deep flush faces may be by rounding, here or in the file, metres: what is no deeper shares no volume."""
+    """The largest depth of flush faces that rounding explains, metres. Up to it no shared volume is measured."""
     largest = float(np.abs(mockup.bounds).max(initial=0.0, where=np.isfinite(mockup.bounds)))
     return max(_least_contact(mockup), _FLUSH_UNITS * float(np.spacing(largest)))
 

@@ -74,7 +74,7 @@ class Rule:
     clearance: float | None = None
     contact: float | Chord | None = None
     severity: Severity = DEFAULT_SEVERITY
-    """Of what it finds."""
+    """The severity of its findings."""
     level: int = 0
     optional: bool = False
 

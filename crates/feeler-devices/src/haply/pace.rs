@@ -38,7 +38,7 @@ impl Pace {
     /// The service has spoken.
     pub fn heard(&mut self, now: Instant) {
         let between = now.saturating_duration_since(self.heard);
-        // Twice what it takes now: one that is slow is not silent.
+        // Twice the present time of an answer, so that a slow service does not count as silent.
         self.wait = (2 * between).clamp(RESEND_WAIT, LONGEST_RESEND_WAIT);
         self.pending = self.pending.saturating_sub(1);
         self.heard = now;
@@ -49,7 +49,7 @@ impl Pace {
         let is_silent = now.saturating_duration_since(self.heard.max(self.sent)) > self.wait;
         match () {
             () if self.pending == 0 => Turn::Force,
-            // Zero does not wait for its turn, nor does a service that may have lost what it was sent.
+            // Zero force is sent at once, and so is a force to a service that may have lost the last one.
             () if is_silent || self.pushes && !is_force => Turn::Nothing,
             () => Turn::Wait,
         }
