@@ -149,11 +149,12 @@ def apply_bcf(clashes: Clashes, topics: Sequence[Topic], *, growth: float = DEPT
     A topic belongs to the findings that its description names. If it names none, it belongs to those of its group
     (`write_bcf` derives GUIDs from groups), else to those of the pair of parts that its viewpoint selects. An approval
     holds for the depth that the file says; as in `Clashes.diff`, it ends if a finding is `growth` metres deeper now, or
-    a duplicate. After `diff`, topics of the previous check go to the findings that it matched. If
-    nobody changed the status of a topic, later decisions here stay. Comments become the note, newest last; one that the note has already is not added again. A comment of `write_bcf` belongs to the one finding that it names;
-    its status counts if the topic still has the status that it had then. A status without a counterpart here goes into
-    the note. Statuses of trackers: open and new become new; active and in progress, active; resolved and closed,
-    reviewed (the next check finds what is gone); approved and accepted become approved.
+    a duplicate. After `diff`, topics of the previous check go to the findings that it matched. If nobody changed the
+    status of a topic, later decisions here stay. Comments become the note, newest last; one that the note has already
+    is not added again. A comment of `write_bcf` belongs to the one finding that it names; its status counts if the
+    topic still has the status that it had then. A status without a counterpart here goes into the note. Statuses of
+    trackers: open and new become new; active and in progress, active; resolved and closed, reviewed (the next check
+    finds what is gone); approved and accepted become approved.
     """
     check_kind("clashes", clashes, Clashes, "feeler.Clashes")
     given = check_list("topics", topics, "a list of feeler.clashes.Topic")
