@@ -8,6 +8,12 @@ import pytest
 from browser import SLOW_MS, chromium
 from commands import run
 from report_project import BOLD, project
+from workbench_scene import stand
+
+import feeler
+from feeler.clashes import write_html
+from feeler.workbench.document.document import Document
+from feeler.workbench.session.export import sequence_html
 
 playwright = pytest.importorskip("playwright.sync_api")
 
@@ -74,3 +80,20 @@ def test_a_page_plays_ways_filters_findings_and_runs_nothing_else(tmp_path: Path
         assert names == ["peg"]
         browser.close()
     assert [text for text in said if "GPU stall" not in text and "GL Driver" not in text] == []
+
+
+def test_pages_of_commands_fit_a_narrow_window(tmp_path: Path) -> None:
+    mockup = stand([f"part_{number}" + "_without_a_blank" * 12 for number in range(5)])
+    paths = [str(path) for path in mockup.part_paths]
+    write_html(tmp_path / "clash.html", feeler.clash(mockup, clearance=1.0))
+    feeler.task(feeler.Scene(mockup), paths[1], seconds=10.0).to_html(tmp_path / "task.html")
+    feeler.maintain(feeler.Scene(mockup), paths[1:2], seconds=10.0).to_html(tmp_path / "maintain.html")
+    (tmp_path / "sequence.html").write_bytes(sequence_html(Document(unit="mm"), mockup, lambda *_: None))
+    with playwright.sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 320, "height": 800})
+        for path in sorted(tmp_path.glob("*.html")):
+            page.goto(path.as_uri())
+            assert page.evaluate("document.documentElement.scrollWidth") == 320, path.name
+            assert page.locator("main").count() == 1, path.name
+        browser.close()

@@ -53,12 +53,12 @@ def write_html(
             '<!doctype html><html lang="en"><head><meta charset="utf-8">',
             f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>{_shown(_title(clashes))}</title><style>{STYLE}</style></head><body>",
+            f"<title>{_shown(_title(clashes))}</title><style>{STYLE}</style></head><body><main>",
             f"<h1>{_shown(_title(clashes))}</h1>",
             *_summary(clashes, groups),
             *_groups(groups, drawn),
             *_table(clashes),
-            f'<script type="application/json" id="data">{_data(clashes, group_of)}</script>',
+            f'</main><script type="application/json" id="data">{_data(clashes, group_of)}</script>',
             f"<script>{SCRIPT}</script></body></html>\n",
         ]
     )

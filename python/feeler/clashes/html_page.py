@@ -7,6 +7,7 @@ POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-s
 STYLE = """
 :root { color-scheme: light dark; --line: #8885; --soft: #8882; }
 body { font: 14px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 1200px; padding: 1.5em; }
+h1, p { overflow-wrap: anywhere; }
 h1 { font-size: 1.5em; margin: 0 0 .2em; } h2 { font-size: 1.15em; margin: 2em 0 .6em; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .15em 1em; margin: 1em 0; }
 dt { opacity: .7; } dd { margin: 0; overflow-wrap: anywhere; }
@@ -27,6 +28,7 @@ th { border-bottom: 2px solid var(--line); position: sticky; top: 0; background:
 td { border-bottom: 1px solid var(--soft); overflow-wrap: anywhere; }
 .number { text-align: right; white-space: nowrap; }
 .clash { color: #c22; } .contained, .duplicate { color: #a3c; } .contact { color: #291; } .clearance { color: #27c; }
+@media (max-width: 800px) { table { display: block; overflow-x: auto; } td { overflow-wrap: break-word; } }
 @media print { .filters, #more { display: none; } }
 """
 

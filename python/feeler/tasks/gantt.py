@@ -14,6 +14,7 @@ _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'"
 _STYLE = """
 :root { color-scheme: light dark; --line: #8885; --soft: #8882; }
 body { font: 14px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 1200px; padding: 1.5em; }
+h1, p { overflow-wrap: anywhere; }
 h1 { font-size: 1.5em; margin: 0 0 .2em; } h2 { font-size: 1.15em; margin: 2em 0 .6em; }
 svg { width: 100%; height: auto; font-size: 11px; } svg text { fill: currentColor; }
 .blocked { border-left: 4px solid #d33; padding: .4em .8em; background: #d331; }
@@ -22,6 +23,7 @@ table { border-collapse: collapse; width: 100%; }
 th, td { padding: .35em .6em; text-align: left; vertical-align: top; overflow-wrap: anywhere; }
 th { border-bottom: 2px solid var(--line); overflow-wrap: normal; } td { border-bottom: 1px solid var(--soft); }
 .number { text-align: right; white-space: nowrap; }
+@media (max-width: 800px) { table { display: block; overflow-x: auto; } td { overflow-wrap: break-word; } }
 """
 _WIDTH, _NAMES, _ROW = 1000.0, 300.0, 18.0
 """Of the chart, of its column of names, and of a row, in its own units."""
@@ -41,13 +43,13 @@ def write_html(path: str | os.PathLike[str], task: TaskFacts) -> None:
         '<!doctype html><html lang="en"><head><meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>",
+        f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body><main>",
         f"<h1>{escape(title)}</h1>",
         f"<p{'' if task.is_found else ' class=blocked'}>{escape(task.said)}</p>",
         *(f'<p class="note">{escape(note)}</p>' for note in task.notes),
         *(_found(task) if task.steps else _blocked(task)),
         *_elements(task),
-        "</body></html>",
+        "</main></body></html>",
     ]
     with atomic_file(path, ".html") as file:
         file.write("\n".join(page).encode("utf-8", errors="replace"))

@@ -20,6 +20,7 @@ _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'"
 _STYLE = """
 :root { color-scheme: light dark; --line: #8885; --soft: #8882; }
 body { font: 14px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 1400px; padding: 1.5em; }
+h1, p { overflow-wrap: anywhere; }
 h1 { font-size: 1.5em; margin: 0 0 .2em; } h2 { font-size: 1.15em; margin: 2em 0 .6em; }
 table { border-collapse: collapse; width: 100%; }
 th, td { padding: .35em .6em; text-align: left; vertical-align: top; overflow-wrap: anywhere; }
@@ -28,6 +29,7 @@ th { border-bottom: 2px solid var(--line); white-space: nowrap; } td { border-bo
 tr.worse td:first-child { border-left: 4px solid #d33; } tr.better td:first-child { border-left: 4px solid #2a4; }
 tr.other td:first-child { border-left: 4px solid #38f; }
 .note { border-left: 4px solid #38f; padding: .4em .8em; background: #38f1; }
+@media (max-width: 800px) { table { display: block; overflow-x: auto; } td { overflow-wrap: break-word; } }
 """
 _CREATED = datetime.datetime(1980, 1, 1)
 """Fixed, so that equal runs give equal bytes."""
@@ -50,14 +52,14 @@ def write_html(
         '<!doctype html><html lang="en"><head><meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>Maintenance</title><style>{_STYLE}</style></head><body>",
+        f"<title>Maintenance</title><style>{_STYLE}</style></head><body><main>",
         f"<h1>Maintenance</h1><p>{escape(said)}</p>",
         *(['<p class="note">The run was interrupted: rows are missing.</p>'] if is_partial else []),
         *(["<h2>Changed</h2>", *_table(changed)] if changed else []),
         *(["<h2>As before</h2>" if changed else "<h2>Parts</h2>", *_table(rest)] if rest else []),
         *_changes(changes),
         *_renamed(renamed),
-        "</body></html>",
+        "</main></body></html>",
     ]
     with atomic_file(path, ".html") as file:
         file.write("\n".join(page).encode("utf-8", errors="replace"))

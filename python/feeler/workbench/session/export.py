@@ -35,18 +35,20 @@ def sequence_html(document: Document, mockup: Mockup, progress: Progress) -> byt
         for number, line in enumerate(document.sequence, start=1)
     )
     return f"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Removal sequence: {name}</title>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Removal sequence: {name}</title>
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
 <style>
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem; color: #1c2024; background: #fff; }}
-table {{ border-collapse: collapse; }}
+body {{ font: 15px/1.5 system-ui, sans-serif; margin: 1rem; color: #1c2024; background: #fff; }}
+h1 {{ font-size: 1.5rem; overflow-wrap: anywhere; }}
+table {{ border-collapse: collapse; display: block; overflow-x: auto; }}
 th, td {{ border-bottom: 1px solid #ccd2d8; padding: .4rem .8rem; text-align: left; vertical-align: top; }}
 </style></head>
-<body><h1>Removal sequence: {name}</h1>
+<body><main><h1>Removal sequence: {name}</h1>
 <table><thead><tr>{head}</tr></thead>
 <tbody>
 {rows}
-</tbody></table></body></html>
+</tbody></table></main></body></html>
 """.encode()
 
 
