@@ -12,7 +12,7 @@ pub enum Error {
         what: &'static str,
     },
     /// A mesh whose triangles are all defective.
-    #[error("the {what} has {triangles} triangles but none can be queried ({defects}): repair the mesh")]
+    #[error("no triangle of the {what} can be queried, of {triangles} ({defects}): repair the mesh")]
     NothingToQuery {
         /// "mock-up" or "tool".
         what: &'static str,
