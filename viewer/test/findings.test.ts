@@ -164,6 +164,8 @@ test("a sentence is as sure as its figure", () => {
   assert.equal(said({ depth: 0.002, error: 0.001 }), "shaft is 2 mm to 3 mm deep in housing");
   assert.equal(said({ gap: 0.0005, verdict: "clearance" }), "shaft is 0.5 mm from housing");
   assert.equal(said({ gap: 0, verdict: "contact" }), "shaft touches housing");
+  assert.equal(said({ depth: 1e-7, error: 0, verdict: "contact" }), "shaft touches housing");
+  assert.equal(said({ depth: 1e-4, error: 0, verdict: "contact" }), "shaft is 0.1 mm deep (allowed) in housing");
   assert.equal(said({ verdict: "duplicate" }), "shaft has the same surface as housing");
   assert.equal(said({}), "shaft collides with housing");
   assert.equal(

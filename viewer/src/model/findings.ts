@@ -224,11 +224,18 @@ export function wayText({ translation, depth, kind }: Finding, unit: Unit): stri
   return `out by ${is_shortest ? "" : "at most "}${formatLength(long, unit)}`;
 }
 
+/** Contacts that overlap less than this, in metres, touch: flush faces do so by rounding. */
+const TOUCHING_M = 1e-6;
+
+/** Whether the parts overlap by more than rounding, but at most by the `contact` of their rule. */
+const isAllowed = ({ verdict, depth }: Finding): boolean => verdict === "contact" && (depth ?? 0) > TOUCHING_M;
+
 /** How the first part lies to the second: "is 2 mm deep in", "touches". */
 export function relation(finding: Finding, unit: Unit): string {
   const { verdict, gap } = finding;
   if (verdict === "duplicate") return "has the same surface as";
   if (verdict === "contained") return "and one inside the other:";
+  if (isAllowed(finding)) return `is ${depthText(finding, unit)} deep (allowed) in`;
   if (finding.is_touching) return gap !== null && gap > 0 ? `is ${formatLength(gap, unit)} from` : "touches";
   const depth = depthText(finding, unit);
   if (depth !== "") return `is ${depth} deep in`;
