@@ -56,7 +56,7 @@ def test_the_navigation_names_every_page_once(
 
 
 # The public modules beside `feeler` itself, and the folders of which each module is one.
-MODULES = ("haptics", "samples", "compat.trimesh", "compat.mujoco")
+MODULES = ("clashes", "haptics", "samples", "compat.trimesh", "compat.mujoco")
 
 
 def public_names(module: ModuleType) -> set[str]:

@@ -77,6 +77,14 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             "VariantsInterrupted",
             "VariantsError",
             *("verify", "Verified", "Requirement", "read_requirements"),
+            *(
+                f"clashes.{name}"
+                for name in (
+                    *("Changes", "Group", "Facts", "PartMatch", "Rules", "Rule", "Exclusion", "write_rules"),
+                    *("write_html", "write_xlsx", "write_csv", "write_bcf", "write_clash_glb", "report"),
+                    *("read_bcf", "apply_bcf", "Topic", "Comment", "BcfChanges"),
+                )
+            ),
         ],
     ),
     "mechanisms": (

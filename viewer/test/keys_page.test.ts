@@ -1,4 +1,4 @@
-// docs/workbench.md has all keys, as the table of commands has them.
+// docs/workbench-keys.md has all keys, as the table of commands has them.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -27,8 +27,8 @@ function linesOfKeys(): string[] {
   ];
 }
 
-test("docs/workbench.md has all keys", () => {
-  const page = readFileSync("../docs/workbench.md", "utf8");
+test("docs/workbench-keys.md has all keys", () => {
+  const page = readFileSync("../docs/workbench-keys.md", "utf8");
   const missing = linesOfKeys().filter((line) => !page.includes(`${line}\n`));
   assert.equal(missing.length, 0, `put these lines into its table of keys:\n${missing.join("\n")}`);
 });

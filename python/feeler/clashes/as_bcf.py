@@ -62,10 +62,11 @@ def write_bcf(
 ) -> int:
     """Writes a topic for each of the `most` worst groups, with a viewpoint and a picture. Returns the number of topics.
 
-    The viewpoint and the picture show the worst finding of the group. `AuthoringToolId` holds the path of a part. A
-    finding with a note, or with another status than its topic, has a comment, which `apply_bcf` reads back. by: how to
-    group, as in `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`,
-    and `OptionError` if the clashes are of another mock-up or `most` is less than 1.
+    The viewpoint and the picture show the worst finding of the group. The description lists the 50 worst findings, and
+    a comment the ids of some 30,000 more. `AuthoringToolId` holds the path of a part. A finding with a note, or with
+    another status than its topic, has a comment, which `apply_bcf` reads back. by: how to group, as in
+    `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`, and `OptionError` if
+    the clashes are of another mock-up or `most` is less than 1.
     """
     from feeler.clashes.pictures import Pictures
     from feeler.clashes.table import check_same

@@ -108,8 +108,8 @@ class BcfChanges:
 def read_bcf(path: str | os.PathLike[str]) -> tuple[Topic, ...]:
     """The topics of a BCF file (`.bcf`, `.bcfzip`) of versions 2.0 to 3.0, in the order of their titles and GUIDs.
 
-    Raises `MissingFileError` if the file does not exist, and `LoadError` if it is no BCF file, is damaged, or is too
-    large to be one.
+    Archive and XML are read with limits, and document types are refused. Raises `MissingFileError` if the file does not
+    exist, and `LoadError` if it is no BCF file, is damaged, or is too large to be one.
     """
     file = check_path("path", path)
     try:

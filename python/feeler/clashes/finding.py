@@ -72,8 +72,9 @@ def clash(
     """All pairs of parts that overlap, touch, contain each other, or are within `clearance` of each other; worst first.
 
     - `clearance`: metres. 0 finds only parts that collide.
-    - `contact`: metres. Parts count as in contact up to this depth, and up to this gap; at least by the
-      rounding of the coordinates. `"chord"`: the chordal errors of both parts, which are known for STEP files.
+    - `contact`: metres. Parts count as in contact up to this depth, and up to this gap; at least 32 units in the last
+      place of the largest coordinate, and four times the rounding of the files (`mockup.source.rounding`). `"chord"`:
+      the chordal errors of both parts, which are known for STEP files.
     - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form. Rules give pairs other limits, or hide
       them (`.hidden` counts these). `clearance` and `contact` hold for pairs that no rule names.
     - `ignore`: pairs of parts to skip, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or `(k, 2)`

@@ -47,12 +47,19 @@ class Clash:
     """What the two are to each other."""
     depth: float
     """How far the deepest point of one surface lies inside the other part: a lower bound. 0 for duplicates and for
-    parts that only touch or are apart; NaN if Ctrl-C came first."""
+    parts that only touch or are apart; NaN if Ctrl-C came first. Overlapping or flush closed shells within one part
+    reduce it."""
     depth_error: float
     """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
     two million pieces, which takes seconds. NaN if both parts are open. Of duplicates, how far apart they can be."""
     depth_kind: DepthKind
-    """`"measured"`, or `"estimate"` if a part is open and has no inside."""
+    """`"measured"`, or `"estimate"` if a surface of a part is open and so has no inside. The estimate says how deep the
+    open surface lies in the closed surfaces of the other part. If neither part has a closed surface, it says how far
+    they cross: a point where they cross is as deep as the shorter of two lengths, which are the distance to the nearest
+    border, and how far each surface goes on away from the other, on its shorter side. So a sheet that ends on another
+    has depth 0, and a tongue through a sheet is as deep as it sticks out, at most half its width. Up to 2,048 points
+    are looked at, and another triangulation can change the estimate by 1 %, which approvals allow for. Seams that do
+    not meet count as borders."""
     translation: Point
     """The shortest known translation that moves `a` out of `b`: an upper bound. 0 for contacts; NaN if not known."""
     gap: float
@@ -63,7 +70,8 @@ class Clash:
     """The point of `b` that corresponds to `point_a`."""
     volume: float
     """The shared volume, cubic metres, at most the smaller part; NaN if it was not measured, if a part is open, or if
-    its surfaces do not say what is inside."""
+    its surfaces do not say what is inside. Where a closed shell overlaps itself, it can be off by the overlap, and by a
+    few percent."""
     triangles: int
     """The number of colliding pairs of triangles."""
     box: tuple[Point, Point]

@@ -8,7 +8,28 @@ from feeler.enumerations import CodedEnum
 
 
 class Verdict(CodedEnum):
-    """The relation of two parts: words, with numbers (`.code`) from 0 on in their order."""
+    """The relation of two parts: words, with numbers (`.code`) from 0 on in their order.
+
+    Thin walls: two walls thinner than `2 contact` clash at any depth if they pierce each other, that is, each reaches
+    the middle (98 %) of the other and their surfaces cross there; or if they share more than `contact` of their
+    thickness side by side. A wall has faces that are parallel within 26 degrees; one of the two may be a needle of any
+    section. Blunter tips and edges are no walls, and their depth says how far they penetrate. Walls side by side are
+    found at the deepest point of each part. At the edge of this rule, rotation and triangulation can change the
+    verdict.
+
+    Duplicates: no point of either surface is farther from the other than the default of `contact`; a larger `contact`
+    makes no more duplicates. In files that round, closed duplicates must also share material: they are thicker than 2.5
+    times that distance. A part and its copy with faces missing are in contact.
+
+    Contained parts: a closed part that is flush with the inside of a face is contained however thin it is; in files
+    that round, if it is deeper than `contact`. An open part that is nowhere deeper than `contact` is in contact, on
+    either side of the face. A part that is larger than the closed hollow that it fills clashes, or is in contact if
+    `contact` allows. A part of several solids is contained if one of them is, also if both parts have this solid; that
+    is missed, and the parts are in contact, if another solid of one part shares a whole face with it, or if both parts
+    have open surfaces, too. Parts with loose seams, of gaps up to four millionths of their length, contain parts that
+    stick out by less than four times these gaps. A part that sticks out through a wider gap clashes; one that ends in
+    such a gap may be either.
+    """
 
     CLASH = "clash"
     """They collide and are deeper than `contact`, or they are thin walls that cross or share their thickness."""

@@ -154,7 +154,12 @@ class View(ViewCommands):
         return super().command(name, **args)
 
     def findings_open(self, findings: feeler.Clashes | Mapping[str, object]) -> CommandAnswer:
-        """Opens the findings of a clash check: of `feeler.clash`, or as `feeler clash --json` writes them."""
+        """Opens the findings of a clash check: of `feeler.clash`, or as `feeler clash --json` writes them.
+
+        Findings of other programs need two paths and a depth each: `{"version": 1, "clashes": [{"a": PATH, "b": PATH,
+        "depth": 0.002}]}`. They may have `id`, `verdict`, `gap`, `point_a`, `point_b`, `rule`, `status` and `group`;
+        lengths are in metres.
+        """
         if isinstance(findings, feeler.Clashes):
             findings = feeler.clashes.report(findings)
         return super().findings_open(findings)

@@ -303,8 +303,11 @@ class ViewCommands:
     ) -> CommandAnswer:
         """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need.
 
-        `without`: parts that are taken for gone. `tool`, `tools`: names of opened tools. `swing_deg`: the least swing
-        of a tool that counts, degrees. `clearance`: metres to keep. `seconds`: the time limit of the answer.
+        `without`: parts that are taken for gone. `tool`, `tools`: names of opened tools. Of `tools`, the answer has the
+        one that swings farthest; of a task, an empty list leaves their reach unchecked. `catalogue`: take the first
+        tool of the catalogue that reaches. `grip`: as of `feeler.access`. `swing_deg`: the least swing of a tool that
+        counts, degrees. `clearance`: metres to keep. `people`: how many do the task. `seconds`: the time limit of the
+        answer.
         """
         return self._command(
             "ask",
@@ -399,7 +402,9 @@ class ViewCommands:
         """Lets a way guide the hand: step `step` of a card's ways, or the way of a line of the sequence.
 
         The hand holds its parts. If they are nearer to its end than to its begin, it guides back. It ends by itself
-        there, or when the hand lets go of them.
+        there, or when the hand lets go of them. Up to 0.1 of the size of what is in the hand (2 to 50 mm) off the way,
+        a wish is drawn onto it, and beyond 0.4 (10 to 200 mm) not at all; typed poses are not drawn. A device feels at
+        most 1.5 N.
         """
         return self._command("guide", card=card, step=step, line=line)
 

@@ -43,8 +43,10 @@ _GRID_M = 2.0**-10
 def ask(document: Document, given: Arguments, known: Known) -> Document:
     """Asks about parts: do they come out, what has to go first, is a fastener reached, what room do they need.
 
-    `without`: parts that are taken for gone. `tool`, `tools`: names of opened tools. `swing_deg`: the least swing of a
-    tool that counts, degrees. `clearance`: metres to keep. `seconds`: the time limit of the answer.
+    `without`: parts that are taken for gone. `tool`, `tools`: names of opened tools. Of `tools`, the answer has the one
+    that swings farthest; of a task, an empty list leaves their reach unchecked. `catalogue`: take the first tool of the
+    catalogue that reaches. `grip`: as of `feeler.access`. `swing_deg`: the least swing of a tool that counts, degrees.
+    `clearance`: metres to keep. `people`: how many do the task. `seconds`: the time limit of the answer.
     """
     if len(document.cards) >= MOST_CARDS:
         raise WorkbenchError(f"there are {MOST_CARDS} cards already", given.command, "remove some first")
