@@ -117,3 +117,26 @@ THIN = {
 @pytest.mark.parametrize("part", THIN.values(), ids=THIN)
 def test_an_overlap_lets_nothing_thin_through_a_wall(part: Mesh, overlap: float) -> None:
     assert not feeler.removal(boxed(part), "part", overlap=overlap, rounds=2, seconds=1.0, threads=1).is_found
+
+
+@pytest.mark.parametrize("is_rounded", [False, True])
+def test_a_part_of_several_blocks_slides_between_flush_walls_in_any_pose(is_rounded: bool) -> None:
+    """Blocks that share a whole side, as bodies of one part in CAD files do."""
+    low, high = (-0.015, -0.015, 0.0), (0.015, 0.015, 0.015)
+    middles = {"stacked": (*high[:2], 0.012), "in a row": (high[0], 0.0, high[2])}
+    walls = {
+        "left": box((-0.06, -0.04, 0.0), (-0.015, 0.04, 0.02)),
+        "right": box((0.015, -0.04, 0.0), (0.06, 0.04, 0.02)),
+    }
+    for name, middle in middles.items():
+        other = tuple(low[k] if middle[k] == high[k] else middle[k] for k in range(3))
+        parts = {**walls, "block": joined(box(low, middle), box(other, high))}
+        for seed in range(8):
+            turn = turned(seed)
+            corners = {key: (points @ turn.T, faces) for key, (points, faces) in parts.items()}
+            if is_rounded:
+                corners = {
+                    key: (points.astype(np.float32).astype(float), faces) for key, (points, faces) in corners.items()
+                }
+            found = feeler.removal(feeler.Scene(mockup_of(corners)), "block", seconds=10.0)
+            assert found.is_found, (name, seed)

@@ -113,6 +113,8 @@ pub use index::sink::Stats;
 pub use index::store::Storage;
 pub use mesh::defects::{Defect, DefectKind, Defects};
 pub use mesh::mockup::Mockup;
+#[doc(hidden)]
+pub use mesh::topology::edges::wedges;
 pub use mesh::triangle_mesh::Mesh;
 pub use mesh::weld::weld_vertices;
 #[doc(hidden)]

@@ -39,6 +39,10 @@ pub const MITRE_ADDED: f64 = 1e-5;
 /// as they should.
 pub const LEAST_INWARDS: f64 = 0.5;
 
+/// Angle (radians) about an edge up to which faces of several solids coincide: above the rounding of files. Larger: thin wedges of one
+/// solid are mixed up with those of another.
+pub const SAME_FACE_ANGLE: f64 = 1e-5;
+
 /// Most concave edges at a vertex at which its corner is split. More: noise in scans is split, which takes long.
 pub const MOST_ARCS: usize = 32;
 

@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 
 use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub, unit};
-use feeler_core::Point;
+use feeler_core::{wedges, Point};
 
 use super::inwards::inwards;
-use crate::constants::{FACE_ANGLE_COS, LEAST_INWARDS, MOST_ARCS};
+use crate::constants::{FACE_ANGLE_COS, LEAST_INWARDS, MOST_ARCS, SAME_FACE_ANGLE};
 
 /// Faces by their corners.
 #[derive(Debug)]
@@ -112,8 +112,8 @@ impl<'a> Sheets<'a> {
             return Vec::new();
         };
         let mut base: Option<Point> = None;
-        // By the angle about the edge, and whether the solid follows.
-        let mut around: Vec<(f64, bool, (u32, usize))> = Vec::new();
+        // The angle of each face about the edge, and whether the solid follows.
+        let (mut around, mut own) = (Vec::new(), Vec::new());
         for (face, k) in at {
             let apex = self.places[self.faces[*face as usize][(k + 2) % 3] as usize];
             let off = sub(&apex, &from);
@@ -121,12 +121,10 @@ impl<'a> Sheets<'a> {
             let (Some(off), Some(normal)) = (unit(&off), self.normals[*face as usize]) else { continue };
             let base = *base.get_or_insert(off);
             let angle = dot(&axis, &cross(&base, &off)).atan2(dot(&base, &off));
-            around.push((angle, dot(&normal, &cross(&axis, &off)) < 0.0, (*face, *k)));
+            around.push((angle, dot(&normal, &cross(&axis, &off)) < 0.0));
+            own.push((*face, *k));
         }
-        around.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let next = |i: usize| around[(i + 1) % around.len()];
-        let starts = (0..around.len()).filter(|i| around[*i].1 && !next(*i).1);
-        starts.map(|i| [around[i].2, next(i).2]).collect()
+        wedges(&around, SAME_FACE_ANGLE).into_iter().map(|pair| pair.map(|i| own[i])).collect()
     }
 
     /// The faces at a vertex, by sheet, each in its order around the vertex.
@@ -277,6 +275,31 @@ mod tests {
                 let own = found.faces.iter().zip(&normals).filter(|(face, _)| face.contains(&corner));
                 assert!(leads_inwards(&own.filter_map(|(_, normal)| *normal).collect::<Vec<_>>()), "{at:?}");
             }
+        }
+    }
+
+    #[test]
+    fn blocks_that_share_a_side_are_split_in_any_turn() {
+        let mut random = feeler_shapes::random::Random::new(7);
+        for case in 0..200 {
+            let turn = feeler_core::Pose::new(&random.motion(2.0)).unwrap();
+            let rough = if case % 2 == 0 { 0.0 } else { 1e-6 };
+            let (vertices, faces) = joined([0.0, 1.0].map(|z| box_mesh([0.0, 0.0, z], [1.0; 3], 1)).into_iter());
+            let rounded = |x: f64| if rough > 0.0 { (x / rough).round() * rough } else { x };
+            let all: Vec<Point> =
+                faces.iter().flatten().map(|v| turn.apply(&vertices[*v as usize]).map(rounded)).collect();
+            let (places, numbers) = weld_vertices(&all);
+            let faces: Vec<[u32; 3]> = numbers.chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
+            let normals: Vec<Option<Point>> = faces
+                .iter()
+                .map(|face| {
+                    let [a, b, c] = face.map(|v| places[v as usize]);
+                    unit(&cross(&sub(&b, &a), &sub(&c, &a)))
+                })
+                .collect();
+            let found = fans(&places, &faces, &normals);
+            // The four corners that both have.
+            assert_eq!((found.vertices.len(), found.faces.len()), (16, faces.len()), "{case}");
         }
     }
 

@@ -92,33 +92,42 @@ pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
     let least = (0..3).min_by(|i, j| axis[*i].abs().total_cmp(&axis[*j].abs())).unwrap_or(0);
     let x = unit(&cross(&axis, &std::array::from_fn(|a| f64::from(u8::from(a == least))))).unwrap_or_default();
     let y = cross(&axis, &x);
-    let half = (std::f64::consts::PI / SAME_ANGLE).round();
-    let turn = |edge: &Edge| {
+    let angle = |edge: &Edge| {
         let [from, _, third] = lowest_first(edge);
         let spoke = sub(&third, &from);
-        let turn = (dot(&spoke, &y).atan2(dot(&spoke, &x)) / SAME_ANGLE).round() + 0.0;
-        // Half a turn either way is one angle.
-        if turn <= -half {
-            half
-        } else {
-            turn
-        }
+        dot(&spoke, &y).atan2(dot(&spoke, &x))
     };
+    let around: Vec<(f64, bool)> = same.iter().map(|edge| (angle(edge), !edge.up)).collect();
+    wedges(&around, SAME_ANGLE)
+}
+
+/// Pairs the faces around an edge that bound a wedge of one solid, where it begins and where it ends; pairs are indices into the list,
+/// which has the angle of each face (radians, within half a turn either way) and whether a solid begins at it. Angles that differ by no
+/// more than `same` are one.
+pub fn wedges(around: &[(f64, bool)], same: f64) -> Vec<[usize; 2]> {
+    let mut order: Vec<usize> = (0..around.len()).collect();
+    order.sort_by(|i, j| around[*i].0.total_cmp(&around[*j].0));
+    // From the widest gap on, nothing that is at one angle is apart.
+    let further = |i: usize, j: usize| (around[j].0 - around[i].0).rem_euclid(std::f64::consts::TAU);
+    let before = |k: usize| further(order[(k + order.len() - 1) % order.len()], order[k]);
+    let widest = (1..order.len()).fold(0, |widest, k| if before(k) > before(widest) { k } else { widest });
+    order.rotate_left(widest);
     // At one angle solids end before others begin.
-    let mut order: Vec<(f64, bool, usize)> = (0..).zip(same).map(|(i, edge)| (turn(edge), !edge.up, i)).collect();
-    order.sort_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
+    for at_one in order.chunk_by_mut(|i, j| further(*i, *j) <= same) {
+        at_one.sort_unstable_by_key(|i| (around[*i].1, *i));
+    }
     // Start after the lowest depth: from there on no solid ends that has not begun.
     let (mut depth, mut least, mut start) = (0i64, 0, 0);
-    for (i, (_, begins, _)) in order.iter().enumerate() {
-        depth += if *begins { 1 } else { -1 };
+    for (k, i) in order.iter().enumerate() {
+        depth += if around[*i].1 { 1 } else { -1 };
         if depth < least {
-            (least, start) = (depth, i + 1);
+            (least, start) = (depth, k + 1);
         }
     }
     order.rotate_left(start);
     let (mut open, mut pairs) = (Vec::new(), Vec::new());
-    for (_, begins, i) in order {
-        if begins {
+    for i in order {
+        if around[i].1 {
             open.push(i);
         } else if let Some(j) = open.pop() {
             pairs.push([j, i]);

@@ -7,5 +7,5 @@ pub(crate) mod closed_shells;
 mod convex_bodies;
 mod crack_stitching;
 pub mod disjoint_sets;
-mod edges;
+pub(crate) mod edges;
 pub mod smooth_regions;
