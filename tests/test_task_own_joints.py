@@ -179,3 +179,48 @@ def test_a_nut_holds_what_is_under_the_shoulder_of_a_grommet(is_touching: bool) 
         rows = {row.path: row for row in feeler.holds(tilted(meshes(parts), seed))}
         expected = {"grommet", "cover"} if is_touching else {"grommet"}
         assert set(rows["nut"].paths) == expected, rows["nut"]
+
+
+def plain_washer(across: float, thick: float, hole: float) -> Any:
+    return cylinder(across / 2, -thick, 0, 32) - cylinder(hole / 2, -thick - 1, 1, 32)
+
+
+@pytest.mark.parametrize(("across", "thick", "sunk"), [(16.0, 1.6, 0.0), (24.0, 2.0, 0.0), (28.0, 3.0, 0.4)])
+def test_washers_of_long_bolts_are_washers_in_any_pose(across: float, thick: float, sunk: float) -> None:
+    """Also large ones, and those that are drawn a little into their head."""
+    low = sunk - thick
+    parts = {
+        "head": block((-20, -20, low - 90), (20, 20, low)) - cylinder(4.5, low - 91, low + 1),
+        "case": block((-20, -20, low - 130), (20, 20, low - 90)) - cylinder(4, low - 115, low - 89),
+        "washer": plain_washer(across, thick, 8.4).translate((0, 0, sunk)),
+        "bolt": bolt(110 - low),
+    }
+    for seed in range(6):
+        (row,) = feeler.holds(tilted(meshes(parts), seed))
+        assert (row.paths, [row.washers, row.anchor_path]) == (("head",), [(2,), "case"]), seed
+
+
+def test_a_square_pad_with_a_hole_is_no_nut() -> None:
+    def pad(low: float) -> Any:
+        return block((-14, -14, low), (14, 14, low + 8)) - cylinder(4.5, low - 1, low + 9)
+
+    parts = {"a": pad(-8), "b": pad(-16), "c": bolt(24), "d": nut(-22.8)}
+    for seed in range(2):
+        held = {row.path: row.paths for row in feeler.holds(tilted(meshes(parts), seed))}
+        assert held == {"c": ("a", "b"), "d": ("a", "b")}
+
+
+def test_a_plate_between_others_leaves_sideways_in_any_pose() -> None:
+    """Its holes are as wide as those of the plate above: the rims lie on each other, and cross by rounding."""
+    ends = [(-30.0, 0.0), (30.0, 10.0), (0.0, -10.0)]
+    holes = [cylinder(3.3, -60, 1).translate((x, y, 0)) for x, y in ends]
+    stack = {"upper": (-8.0, 0.0), "plate": (-16.0, -8.0), "base": (-40.0, -16.0)}
+    parts = {name: block((-50, -30, low), (50, 30, high)) for name, (low, high) in stack.items()}
+    for hole in holes:
+        parts = {name: solid - hole for name, solid in parts.items()}
+    times = []
+    for seed in range(5):
+        task = feeler.task(feeler.Scene(tilted(meshes(parts), seed)), "plate")
+        assert steps(task) == [("take out", "plate")], seed
+        times.append(task.seconds)
+    assert times == pytest.approx([times[0]] * len(times))

@@ -427,7 +427,7 @@ class Mover:
         # Casts find touching parts; measured depths find parts that intersect it.
         seats = (met - flush | deep) - self.passed
         directions, doubtful = self._directions() if self._shape is None else ([], set[int]())
-        rows = [[list(direction), _numbers(self._opposed(direction))] for direction in directions]
+        rows = [[list(direction), _numbers(self._opposed(direction, doubtful))] for direction in directions]
         return [rows, _numbers(seats), _numbers(flush), _numbers(doubtful)]
 
     def _directions(self) -> tuple[list[Direction], set[int]]:
@@ -462,7 +462,7 @@ class Mover:
             self.contacts.parts[(np.abs(self.contacts.gaps) <= TOUCH_M) & (self.contacts.gaps < 0.0)].tolist()
         )
         for direction in chosen:
-            rounding &= self._opposed(direction)
+            rounding &= self._against(direction).keys()
         return chosen, rounding
 
     def _ordered(self, opposing: dict[Direction, set[int]]) -> dict[Direction, set[int]]:
@@ -497,23 +497,30 @@ class Mover:
 
     def opposed(self, direction: Direction) -> set[int]:
         """Touching parts with a contact plane against a direction."""
-        return self.opposing[direction] if direction in self.opposing else self._opposed(direction)
+        return self.opposing[direction] if direction in self.opposing else self._opposed(direction, self.doubtful)
 
-    def _opposed(self, direction: Direction) -> set[int]:
-        """Touching parts with a contact plane against a direction. Deeper parts have no reliable plane."""
+    def _opposed(self, direction: Direction, doubtful: set[int]) -> set[int]:
+        """See `opposed`. Faces may only cross by rounding: depth tells whether it enters, of doubtful ones later."""
+        found = self._against(direction)
+        unsure = {part for part, is_sure in found.items() if not is_sure} - doubtful
+        return {*found} - unsure | self._deeper(direction, unsure)
+
+    def _against(self, direction: Direction) -> dict[int, bool]:
+        """Touching parts with a contact plane against a direction, and whether that is sure: faces that lie on each
+        other are. The rims of holes that are one behind the other touch, too, with the normals of their walls: an exact
+        cast decides, unless it hits at the start. Deeper parts have no reliable plane."""
         against = (self.contacts.normals @ np.array(direction) < -OPPOSED) & self._is_reliable
         rows: dict[int, list[int]] = {}
         for row in np.flatnonzero(against).tolist():
             rows.setdefault(int(self.contacts.parts[row]), []).append(row)
-        return {part for part in rows.keys() - self.passed if self._is_stopped(part, direction, rows[part])}
-
-    def _is_stopped(self, part: int, direction: Direction, rows: Sequence[int]) -> bool:
-        """Whether a touching part is against a direction. Faces that lie on each other are; the rims of holes that are
-        one behind the other touch, too, with the normals of their walls: an exact cast decides."""
-        if any(self._is_flat(row) for row in rows):
-            return True
+        found: dict[int, bool] = {}
         end = self._moved(direction, STOPPED_SHARE * self.size)
-        return self.rest.only([part]).cast(self.tool, np.eye(4), end, touching="free") is not None
+        for part in rows.keys() - self.passed:
+            if any(self._is_flat(row) for row in rows[part]):
+                found[part] = True
+            elif (hit := self.rest.only([part]).cast(self.tool, np.eye(4), end, touching="free")) is not None:
+                found[part] = not _is_at_start(hit.pose)
+        return found
 
     def _is_flat(self, row: int) -> bool:
         """Whether a contact is one of faces that look at each other along its normal."""
@@ -588,8 +595,7 @@ class Mover:
                 return [first, hits, True]
             passed.add(hit.part)
             pose = hit.pose
-            # Flush faces in no special direction cross by rounding: depth tells whether it enters.
-            is_rounding = hit.part in self.flush and float(np.abs(pose[:3, 3]).max()) <= TOUCH_M
+            is_rounding = hit.part in self.flush and _is_at_start(pose)
             if not (self.graph.overlap or is_rounding) or self._deeper(direction, {hit.part}):
                 found.add(hit.part)
                 hits.append(PartNumber(hit.part))
@@ -667,6 +673,12 @@ class Mover:
 def way_out(scene: Scene, tool: Tool, direction: Direction) -> float:
     """The distance along a direction at which the box of a tool leaves the box of all parts of a scene, metres."""
     return float(_out_of(*box_of_parts(scene), np.array(tool.bounds), np.array(direction)))
+
+
+def _is_at_start(pose: Floats) -> bool:
+    """Whether a hit there may come from flush faces that cross by rounding, as they do in no special pose: depth tells
+    whether a part enters another."""
+    return float(np.abs(pose[:3, 3]).max()) <= TOUCH_M
 
 
 def _out_of(lower: Floats, upper: Floats, bounds: Floats, along: Floats) -> Floats:

@@ -57,6 +57,8 @@ SQUARE_HEAD = (0.4, 1.1)
 """Height of a square head, relative to its shank's diameter: blocks with a boss are flatter or higher."""
 SQUARE_NUT = 0.5
 """The least height of a square nut, relative to half its width: square washers are flatter."""
+SQUARE_BORE = 0.4
+"""The least bore of a square nut, relative to its width, unless its name says that it is a nut: pads are wider."""
 BODY_TO_FLATS = (0.5, 0.95)
 """Width of the body beyond a sensor's hexagon, relative to the width across flats: a wrench goes around it."""
 HEADLESS_SLENDER = 0.7
@@ -420,6 +422,8 @@ def _nut(
         return None  # something closes the bore
     if body.sides == 4 and full < SQUARE_NUT * body.radius:
         return None  # a square washer
+    if body.sides == 4 and to_flats == BORE_TO_FLATS and least < SQUARE_BORE * body.radius:
+        return None  # a pad with a hole
     flats, ring = 2.0 * body.radius, 0.5 * (bore.radius + body.radius)
     size, name = 2.0 * least, PRISMS[body.sides]
     because = f"{article(name)}, {mm(flats)} across flats, with a bore of {mm(size)}"

@@ -67,6 +67,8 @@ CLOSING = ("bolt", "screw", "nut")
 OUTER_DRIVES = ("hexagon", "square", "12-point")
 WASHER_WIDTH, WASHER_HEIGHT = 1.6, 0.6
 """The largest diameter of a washer, in widths across flats or of 1.8 diameters, and its height, in diameters."""
+LARGE_WASHER, LARGE_HEIGHT = 3.7, 0.4
+"""The same of a large washer (ISO 7093, DIN 440), both in diameters."""
 
 
 TALL = 2.0
@@ -482,8 +484,9 @@ class _Holding:
         below, wide = -_finite(row.length if row.kind == "nut" else row.head_height), self._width(row)
         for each in washers:
             local = (self.meshes.mesh(each)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
-            if abs(float(local[:, 2].max()) - below) <= WASHER_GAP * row.size:
-                below, wide = float(local[:, 2].min()), 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
+            low, high = float(local[:, 2].min()), float(local[:, 2].max())
+            if low < below <= high + WASHER_GAP * row.size:
+                below, wide = low, 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
         return below, wide
 
     def _beside(self, row: Fastener, washers: list[int], held: list[Passed], low: float, end: int) -> list[Passed]:
@@ -602,13 +605,14 @@ class _Holding:
     def _is_round_it(self, row: Fastener, part: int, height: float) -> bool:
         """Whether a part is a ring about a fastener, no wider than its washers. height: the greatest, in diameters."""
         flats = row.across_flats if np.isfinite(row.across_flats) else 0.0
-        widest = WASHER_WIDTH * max(flats, 1.8 * row.size)
-        if self.sizes[part].max() > 1.01 * widest:
+        usual, large = WASHER_WIDTH * max(flats, 1.8 * row.size), LARGE_WASHER * row.size
+        if self.sizes[part].max() > 1.01 * max(usual, large):
             return False
         local = (self.meshes.mesh(part)[0] - row.frame[:3, 3]) @ row.frame[:3, :3]
         radius = np.hypot(local[:, 0], local[:, 1])
-        is_flat = float(np.ptp(local[:, 2])) <= height * row.size
-        return bool(is_flat and 2.0 * radius.max() <= widest and radius.min() > 0.4 * row.size)
+        across, high = 2.0 * radius.max(), np.ptp(local[:, 2]) / row.size
+        is_flat = (across <= usual and high <= height) or (across <= large and high <= LARGE_HEIGHT)
+        return bool(is_flat and radius.min() > 0.4 * row.size)
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
         """The deepest part that the shank is tight in."""

@@ -165,8 +165,11 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
             at = np.einsum("nij,j->ni", frames[:, :3, :3], way) * (beside * sizes)[:, None]
             origins = frames[:, :3, 3] + at + spans[:, :1] * frames[:, :3, 2]
             ends = through(scene, origins, -frames[:, :3, 2], spans[:, 0] - spans[:, 1])[0]
+            # Whether a ray meets the face that it begins in is a matter of rounding.
+            ends = np.concatenate([np.zeros((len(ends), 1)), ends], axis=1)
             middle = spans[:, :1] - 0.5 * (ends[:, 1:] + ends[:, :-1])
-            columns.append(np.where(np.isfinite(middle), middle, spans[:, :1]))
+            is_layer = np.isfinite(middle) & (middle < spans[:, :1] - _STEP)
+            columns.append(np.where(is_layer, middle, spans[:, :1]))
     return np.concatenate(columns, axis=1)
 
 
