@@ -245,9 +245,9 @@ def test_the_document_is_everybodys_and_the_hand_its_holders() -> None:
     assert room.bench.document["hidden"] == [LEFT] and len(room.bench.document["sections"]) == 1
     # Undo takes back the last step, whoever made it; what moves the hand is its holder's.
     command("undo", {}, one)
-    assert room.bench.of_type("notice")[-1]["text"] == "Guest 1 undid a step of Guest 2: section_add"
+    assert room.bench.of_type("notice")[-1]["text"] == "Guest 1 undid a step of Guest 2 (section add)"
     command("redo", {}, one)
-    assert room.bench.of_type("notice")[-1]["text"] == "Guest 1 redid a step of Guest 2: section_add"
+    assert room.bench.of_type("notice")[-1]["text"] == "Guest 1 redid a step of Guest 2 (section add)"
     count = len(room.bench.of_type("notice"))
     command("undo", {}, other)
     command("undo", {}, other)

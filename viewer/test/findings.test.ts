@@ -180,8 +180,9 @@ test("names lose their middle", () => {
 });
 
 test("a finding in the picture: its parts are seen, all else is faint, and leaving it restores all", () => {
-  const document = { hidden: [0, 3], ghost: [1], gripped: [], isolated: false };
+  const document = { hidden: [0, 3], ghost: [1], gripped: [], isolated: false, out: [4] };
   const before = partStates(5, document, new Set());
+  assert.deepEqual([...before], [1, 2, 0, 1, 2], "what is out is seen through");
   const focus = { parts: [0, 2], cover: 2 };
   const HIDDEN = 1;
   const GHOST = 2;

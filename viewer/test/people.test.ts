@@ -72,7 +72,7 @@ test("what others show goes with them, and a moving pointer gives parts no other
 });
 
 test("what others selected is in the byte of a part, beside everything else", () => {
-  const document = { hidden: [0], ghost: [], gripped: [], isolated: false };
+  const document = { hidden: [0], ghost: [], gripped: [], isolated: false, out: [] };
   assert.deepEqual(
     [...partStates(5, document, new Set([1]), null, [[0, 1, 99, -1], [2], [3, 1], [4]])],
     [PartState.hidden | OTHERS[0], PartState.selected | OTHERS[2], OTHERS[1], OTHERS[2], 0],

@@ -9,7 +9,7 @@ import { PartState } from "../scene/stage";
 /** The states of `count` parts, as `PartState` bits. `others`: what other people selected. */
 export function partStates(
   count: number,
-  document: Pick<Document, "hidden" | "ghost" | "gripped" | "isolated">,
+  document: Pick<Document, "hidden" | "ghost" | "gripped" | "isolated" | "out">,
   selection: ReadonlySet<number>,
   focus: Pick<Focus, "parts" | "cover"> | null = null,
   others: readonly (readonly number[])[] = [],
@@ -23,6 +23,8 @@ export function partStates(
   } else {
     mark(states, document.hidden, PartState.hidden);
     mark(states, document.ghost, PartState.ghost);
+    // They were laid aside, and stop nothing.
+    mark(states, document.out, PartState.ghost);
   }
   mark(states, selection, PartState.selected);
   others.slice(0, OTHERS.length).forEach((parts, k) => {

@@ -94,11 +94,10 @@ class Hands:
         return None if key == (None, ()) else self._tool(key)
 
     def world(self, document: Document) -> World:
-        """The world around the hand. Where a removal is replayed, parts that are out do not hinder it."""
+        """The world around the hand. As for questions, parts that are out are not in it, wherever they were laid."""
         moved, gone = document.world
-        if document.replaying is not None:
-            gone = (*gone, *(part for part, _ in moved if part in document.out))
-            moved = tuple((part, at) for part, at in moved if part not in document.out)
+        gone = (*gone, *(part for part, _ in moved if part in document.out))
+        moved = tuple((part, at) for part, at in moved if part not in document.out)
         state = document.mechanism
         number = None if state is None or document.on_joint is None else state.number(document.on_joint)
         if state is not None and number is not None:

@@ -581,7 +581,9 @@ class Session:
         taken = self._history.stepped(name, now)
         if taken.by != step.by and self.people.count > 1:
             who, whose = self.people.name_of(step.by, is_first=True), self.people.name_of(taken.by)
-            text = f"{who} {'undid' if name == 'undo' else 'redid'} a step of {whose}: {taken.command}"
+            text = (
+                f"{who} {'undid' if name == 'undo' else 'redid'} a step of {whose} ({taken.command.replace('_', ' ')})"
+            )
             self._events.tell({"type": "notice", "level": "info", "text": text})
         return after
 
