@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from commands import error_of, run, run_json
 from loading import CORNERS, TETRAHEDRON, instances, save
 from workbench_scene import LEFT, PATHS, PLATE, RIGHT, SHEET, Bench, cube, stand
@@ -432,3 +433,14 @@ def test_the_page_gets_attributes_when_it_asks():
     for wrong in ({"query": 1}, {"query": " "}, {"query": "x" * 100_000}, {}):
         with pytest.raises(feeler.WorkbenchError):
             made.session.ask("find", wrong)
+
+
+def test_names_are_given_when_a_mesh_is_made() -> None:
+    """The parts, their index, and what is found by them would keep the former ones."""
+    mesh = trimesh.creation.box()
+    for made in (feeler.Mockup({"a": mesh}), feeler.Tool(mesh.vertices, mesh.faces, "a")):
+        for name in ("part_names", "part_paths"):
+            with pytest.raises(AttributeError):
+                setattr(made, name, ["b"])
+            assert getattr(made, name) == ["a"] == [made.parts[0].name]
+        assert getattr(pickle.loads(pickle.dumps(made)), name) == ["a"]

@@ -220,7 +220,10 @@ def test_what_was_set_wrong_replaces_no_file(name: str, value: Any, tmp_path: Pa
     path = tmp_path / "s.feeler"
     feeler.Scene(mockup).save(path)
     before = path.read_bytes()
-    setattr(mockup, name, value)
+    if name == "part_colours":
+        mockup.part_colours = value
+    else:
+        getattr(mockup, name)[:] = value
     with pytest.raises(feeler.MeshError, match=f"{name} was set to .* 3"):
         feeler.Scene(mockup).save(path)
     assert path.read_bytes() == before

@@ -152,11 +152,26 @@ def _converted(held: object, unit: str | None, others: Mapping[str, object]) -> 
 
 
 class _Attributed:
-    """A mesh whose parts may have attributes."""
+    """A mesh whose parts have names, and may have attributes."""
 
     part_count: int
     _saved: saved.SavedFile | None = None
     """The file that it is in, where it was opened from one."""
+
+    @property
+    def part_names(self) -> list[str]:
+        """The name of each part. Given when it is made: others are of another mesh."""
+        names: list[str] = self.__dict__["part_names"]
+        return names
+
+    @property
+    def part_paths(self) -> list[str]:
+        """Of each part its place in the assembly, such as `engine/pump/bolt`. Given when it is made, too."""
+        paths: list[str] = self.__dict__["part_paths"]
+        return paths
+
+    def _name_parts(self, names: list[str], paths: list[str]) -> None:
+        self.__dict__.update(part_names=names, part_paths=paths)
 
     @cached_property
     def _part_attributes(self) -> Attributes | None:
@@ -207,8 +222,6 @@ class Mockup(_Attributed, _core.Mockup):
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """
 
-    part_names: list[str]
-    part_paths: list[str]
     source: Source
     part_colours: npt.NDArray[np.float64] | None = None
     """Colours of the parts in pictures, GLB files and the workbench, (parts, 3) sRGB, 0 to 1.
@@ -246,8 +259,7 @@ class Mockup(_Attributed, _core.Mockup):
         indices = mesh_indices(faces, len(points))
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), "part")
         self = super().__new__(cls, points, indices, parts, len(names))
-        self.part_names = names
-        self.part_paths = paths
+        self._name_parts(names, paths)
         if part_attributes is not None:
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
@@ -268,7 +280,8 @@ class Mockup(_Attributed, _core.Mockup):
     ) -> Mockup:
         """The mock-up of a core in which parts of this one are moved."""
         moved = super().__new__(type(self), core)
-        moved.part_names, moved.part_paths, moved.source = self.part_names, self.part_paths, self.source
+        moved._name_parts(self.part_names, self.part_paths)
+        moved.source = self.source
         moved.part_colours = self.part_colours
         moved._keep_attributes(self._part_attributes)
         moved._modelled, moved._moves = self, moves
@@ -340,8 +353,6 @@ class Tool(_Attributed, _core.Tool):
     """
 
     name: str
-    part_names: list[str]
-    part_paths: list[str]
     source: Source
     part_colours: npt.NDArray[np.float64] | None = None
     """As in `Mockup`; `Tool.of_parts` keeps them."""
@@ -375,8 +386,7 @@ class Tool(_Attributed, _core.Tool):
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), name)
         self = super().__new__(cls, points, indices, parts, len(names))
         self.name = name
-        self.part_names = names
-        self.part_paths = paths
+        self._name_parts(names, paths)
         if part_attributes is not None:
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
