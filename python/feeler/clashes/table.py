@@ -25,6 +25,7 @@ from feeler.renamed import OldAttributes
 Floats = npt.NDArray[np.float64]
 VerdictLike = Verdict | VerdictName
 AnyTable = TypeVar("AnyTable", bound="Table")
+AnyArray = TypeVar("AnyArray", bound=npt.NDArray[Any])
 Point = tuple[float, float, float]
 
 
@@ -262,12 +263,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def paths_a(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the first part, text."""
-        return self._paths[self.columns.a]
+        return _read_only(self._paths[self.columns.a])
 
     @property
     def paths_b(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the second part."""
-        return self._paths[self.columns.b]
+        return _read_only(self._paths[self.columns.b])
 
     @cached_property
     def _paths(self) -> npt.NDArray[np.object_]:
@@ -301,7 +302,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
         """`(n,)`: a `feeler.Verdict` each, as words."""
-        return Verdict.words(self.columns.verdict)
+        return _read_only(Verdict.words(self.columns.verdict))
 
     @property
     def depths(self) -> Floats:
@@ -316,7 +317,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def depth_kinds(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
-        return np.array(DEPTH_KINDS)[self.columns.depth_kind]
+        return _read_only(np.array(DEPTH_KINDS)[self.columns.depth_kind])
 
     @property
     def translations(self) -> Floats:
@@ -346,7 +347,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def signed_depths(self) -> Floats:
         """`(n,)`: the depth, or the negative gap, metres. `diff` compares this between checks."""
-        return np.where(self.depths > 0.0, self.depths, -self.gaps)
+        return _read_only(np.where(self.depths > 0.0, self.depths, -self.gaps))
 
     @property
     def are_thin(self) -> npt.NDArray[np.bool_]:
@@ -357,7 +358,7 @@ class Table(OldAttributes, Sequence[Clash]):
         } | contacts
         contact = np.array([*(known.get(name, known[DEFAULT_RULE]) for name in self.rule_names), np.nan])
         is_clash: npt.NDArray[np.bool_] = self.columns.verdict == Verdict.CLASH.code
-        return is_clash & (self.depths <= contact[self.columns.rule])
+        return _read_only(is_clash & (self.depths <= contact[self.columns.rule]))
 
     def found(self) -> list[Found]:
         """What `diff` compares of each row."""
@@ -378,12 +379,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def rules(self) -> npt.NDArray[np.str_]:
         """`(n,)`: the name of the rule."""
-        return np.array(self.rule_names or ("",))[self.columns.rule]
+        return _read_only(np.array(self.rule_names or ("",))[self.columns.rule])
 
     @property
     def severities(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"critical"`, `"major"` or `"minor"`."""
-        return np.array(SEVERITIES)[self.columns.severity]
+        return _read_only(np.array(SEVERITIES)[self.columns.severity])
 
     @cached_property
     def ids(self) -> tuple[str, ...]:
@@ -394,7 +395,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def statuses(self) -> npt.NDArray[np.str_]:
         """`(n,)`: each finding's status."""
-        return np.array([self.marks.of(each).status for each in self.ids], dtype="U8")
+        return _read_only(np.array([self.marks.of(each).status for each in self.ids], dtype="U8"))
 
     @cached_property
     def keys(self) -> tuple[str, ...]:
@@ -608,6 +609,12 @@ def check_same(mockup: Mockup, clashes: Table) -> None:
             "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "
             "feeler.clash (clashes loaded from a file have no part numbers)"
         )
+
+
+def _read_only(column: AnyArray) -> AnyArray:
+    """A column made anew: what is written into it would be lost."""
+    column.flags.writeable = False
+    return column
 
 
 def _point(row: Any) -> Point:
