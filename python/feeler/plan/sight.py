@@ -198,7 +198,7 @@ def _spread(corners: Floats, count: int) -> Floats:
     number = np.arange(1, count + 1)
     which = np.searchsorted(total, (number - 0.5) / count * total[-1])
     # Squeezed, so that no point is on an edge.
-    u, v = (0.02 + 0.96 * _halton(number, base) for base in (2, 3))
+    u, v = (1e-3 + 0.998 * _halton(number, base) for base in (2, 3))
     root = np.sqrt(u)
     weights = np.stack([1.0 - root, root * (1.0 - v), root * v], axis=1)
     return np.asarray(np.einsum("nk,nki->ni", weights, corners[which]))
