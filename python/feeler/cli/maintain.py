@@ -180,6 +180,11 @@ def maintain(
         run = stop.maintenance
         if not len(run):
             raise KeyboardInterrupt from None
+    except OptionError as error:
+        if book is None:
+            raise
+        said = str(error).replace("previous is a run", f"the last run in {book.path} is one")
+        raise OptionError(said.replace("give the last run of this mock-up, or none", "use another project")) from None
     hints = [*run.hints]
     try:
         if book is not None:

@@ -94,7 +94,9 @@ def run_of(book: Book) -> tuple[Any, bytes | None] | None:
             raise ValueError("it is cut off, or too large")
         text = data.decode("ascii")
     except (zlib.error, ValueError) as error:
-        raise LoadError(f"{book.path} is damaged: its last run of feeler maintain, {error!s:.80}; use a copy") from None
+        raise LoadError(
+            f"{book.path} is damaged: its last run of feeler maintain cannot be read ({error!s:.80}); use a copy"
+        ) from None
     answers = book.answer(ANSWERS)
     return loads(text, f"{book.path}: its last run of feeler maintain"), None if answers is None else answers[1]
 

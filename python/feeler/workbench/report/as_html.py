@@ -653,7 +653,7 @@ def _maintained(row: MaintenanceRow) -> str:
     time, spread = ("" if each is None else _text(clock(each)) for each in (row.seconds, row.spread))
     seen = "" if row.sight is None else f"{row.sight:.0%}"
     return (
-        f"<tr><td>{_part(row.name)}{_soft(_names(paths))}{_soft(_text(row.renamed_from))}"
+        f"<tr><td>{_named(row.name)}{_soft(_names(paths))}{_soft(_text(row.renamed_from))}"
         f"<td>{chip}{_soft(_text(row.why))}<td class=number>{time}<td class=number>{spread}<td>{_names(row.tools)}"
         f"<td class=number>{'' if row.reach_deg is None else f'{row.reach_deg:.0f}°'}"
         f"<td class=number>{seen}{_soft(f'{row.hidden:,} not seen' if row.hidden else '')}"

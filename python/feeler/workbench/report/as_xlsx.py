@@ -112,6 +112,7 @@ def _sheets(report: Report) -> list[tuple[str, Sequence[str], Rows]]:
         for number, way in enumerate(question.ways or (None,), start=1)
     )
     reaches = ((question, row) for question in report.questions for row in question.reaches)
+    run = report.maintenance
     return [
         ("summary", ("what", "sentence"), _summary(report)),
         ("requirements", _REQUIREMENT, map(_requirement, report.requirements)),
@@ -120,7 +121,7 @@ def _sheets(report: Report) -> list[tuple[str, Sequence[str], Rows]]:
         ("steps", ("number", *_WAY), ([number, *_way(way)] for number, way in enumerate(report.steps, start=1))),
         ("tasks", _TASK, ([question.title, *_task(row)] for question in report.questions for row in question.task)),
         ("access", _ACCESS, ([question.title, *_reach(row)] for question, row in reaches)),
-        ("maintenance", _MAINTENANCE, map(_maintained, [] if report.maintenance is None else report.maintenance.rows)),
+        *([] if run is None else [("maintenance", _MAINTENANCE, map(_maintained, run.rows))]),
     ]
 
 

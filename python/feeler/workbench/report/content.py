@@ -29,8 +29,6 @@ MOST_ROWS = 20_000
 """Rows of one table: parts, blockers, fasteners, marks of one finding."""
 _LARGEST_M = 1e9
 _LONGEST_S = 1e9
-RUN_CHANGES = ("changed", "moved", "new", "gone")
-"""How parts differ from those of a run of `feeler maintain`."""
 _ORDER: dict[str, int] = {status: number for number, status in enumerate(STATUSES)}
 _EARLIER = "it is about an earlier revision of the mock-up"
 _NO_POINT = (math.nan, math.nan, math.nan)
@@ -423,15 +421,15 @@ def _maintenance(source: Source) -> values.Maintenance | None:
     run, since = source.run, source.since_run
     if run is None:
         return None
-    stale = [f"{name_of(cut(path))} {change}" for change in RUN_CHANGES for path in getattr(since, change)]
+    stale = [
+        f"{name_of(cut(path))} {change}" for change in ("changed", "new", "gone") for path in getattr(since, change)
+    ]
     rows = tuple(map(_maintenance_row, run["rows"][:MOST_ROWS]))
     return values.Maintenance(cut(run["at"]), cut(run["said"], LONGEST_TEXT), run["is_partial"], _some(stale), rows)
 
 
 def _maintenance_row(row: RunRow) -> values.MaintenanceRow:
-    seconds, high = (
-        each if each is not None and 0.0 <= each < _LONGEST_S else None for each in (row["seconds"], row["high"])
-    )
+    seconds, high = _duration(row["seconds"]), _duration(row["high"])
     return values.MaintenanceRow(
         name=cut(row["name"]),
         paths=tuple(map(cut, row["paths"][:MOST_ROWS])),
@@ -448,6 +446,10 @@ def _maintenance_row(row: RunRow) -> values.MaintenanceRow:
         why=cut(row["why"], LONGEST_TEXT),
         renamed_from=cut(row["renamed_from"]),
     )
+
+
+def _duration(seconds: float | None) -> float | None:
+    return seconds if seconds is not None and 0.0 <= seconds < _LONGEST_S else None
 
 
 def _some(said: Sequence[str]) -> str:

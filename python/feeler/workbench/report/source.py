@@ -159,7 +159,9 @@ def run_facts(book: Book) -> RunFacts | None:
     try:
         run: RunFacts | None = None if shown is None else check(shown, RunFacts, "run")
     except FeelerError as error:
-        raise LoadError(f"{book.path} is damaged: its last run of feeler maintain, {error!s:.80}; use a copy") from None
+        raise LoadError(
+            f"{book.path} is damaged: its last run of feeler maintain is not as written ({error!s:.80}); use a copy"
+        ) from None
     return run
 
 

@@ -97,9 +97,8 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
-    card. recorded: the record to replay, if there is one. history: of statuses, of a project. run: the last of
-    `feeler maintain`, of a project. joint_to: shows a joint
-    at a value. tool: of a card, by its name.
+    card. recorded: the record to replay, if there is one. history, run: of a project, statuses and the last run of
+    `feeler maintain`. joint_to: shows a joint at a value. tool: of a card, by its name.
     """
 
     document: Document
