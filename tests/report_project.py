@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from commands import run
 from workbench_scene import FACES, LEFT, PEG, corners, stand
 
 import feeler
@@ -52,7 +53,9 @@ def project(folder: Path, of: feeler.Mockup | None = None, text: str = "drawn so
     fill(session, text)
     assert session._saver is not None and session._saver.wait(WAIT_S)
     session.close()
-    return folder / "stand.feelproj"
+    path = folder / "stand.feelproj"
+    run("maintain", path, "--part", "*/peg", "--part", "*/left", "--seconds", "5")
+    return path
 
 
 def fill(session: Session, text: str = "drawn so") -> Document:

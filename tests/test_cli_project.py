@@ -17,6 +17,7 @@ from workbench_fake import Page
 from workbench_scene import PATHS, PEG, stand
 
 import feeler
+from feeler.cli.projects import Work, keep_work
 from feeler.io import write_glb
 from feeler.workbench.document import protocol
 
@@ -154,6 +155,19 @@ def test_the_project_names_the_mock_up_that_was_checked_last(tmp_path: Path) -> 
     assert len(named["clashes"]) < len(first["clashes"])
     (tmp_path / "old.glb").unlink()
     assert len(run_json("clash", path, "--clearance", "0.1")["clashes"]) == len(named["clashes"])
+
+
+@pytest.mark.parametrize("words", [("clash",), ("maintain", "--part", "*/peg", "--seconds", "5"), ("report",)])
+def test_the_tool_of_a_project_may_be_gone(tmp_path: Path, words: tuple[str, ...]) -> None:
+    """Only the workbench needs it."""
+    write_glb(tmp_path / "stand.glb", stand())
+    with feeler.open_project(tmp_path / "stand.feelproj", feeler.load_mockup(tmp_path / "stand.glb")) as project:
+        keep_work(project._book, Work([str(tmp_path / "stand.glb")], str(tmp_path / "gone.stl"), "mm"))
+    run(words[0], tmp_path / "stand.feelproj", *words[1:])
+    with feeler.open_project(tmp_path / "stand.feelproj") as project:
+        opened = project._book.fact("opened")
+        assert opened["tool"][0] == "gone.stl" and opened["tool_unit"] == "mm"
+    assert "gone.stl', which is not there" in error_of("view", tmp_path / "stand.feelproj")
 
 
 @pytest.mark.parametrize("option", ["--glb", "--write-rules", "--bcf"])

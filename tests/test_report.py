@@ -236,7 +236,7 @@ def test_texts_of_strangers_are_shown_as_text(tmp_path: Path, text: str) -> None
     assert html.unescape(name)[:6] in shown
     with zipfile.ZipFile(io.BytesIO(xlsx_bytes(report))) as book:
         sheets = [book.read(each).decode() for each in book.namelist() if each.startswith("xl/worksheets/sheet")]
-    assert len(sheets) == 7 and not any("<f>" in sheet for sheet in sheets), "no cell is a formula"
+    assert len(sheets) == 8 and not any("<f>" in sheet for sheet in sheets), "no cell is a formula"
 
 
 def test_a_newer_revision_makes_results_out_of_date(there: Path, tmp_path: Path) -> None:
@@ -432,6 +432,72 @@ def test_words_that_cannot_be(there: Path, tmp_path: Path) -> None:
     assert "is not a folder" in error_of("report", there, "--html", tmp_path / "r.html")
     feeler.open_project(tmp_path / "new.feelproj", mockup()).close()
     assert run_json("report", tmp_path / "new.feelproj")["questions"] == []
+
+
+# ---- maintenance ----
+
+
+def test_the_last_run_of_maintain_is_listed(there: Path, tmp_path: Path) -> None:
+    report = report_of(source_of(there, feeler.load_mockup(there.with_name("stand.glb"))), WHEN)
+    run_of = report.maintenance
+    assert run_of is not None and run_of.sentence == "2 of 2 come out" and not run_of.stale and not run_of.is_partial
+    peg = run_of.rows[0]
+    assert (peg.name, peg.paths, peg.state) == ("*/peg", ("stand/stand/peg",), "out")
+    assert peg.seconds and peg.spread and peg.sight is None and peg.reach_deg is None
+    found = Tags(as_html.html_page(report, Media()).decode())
+    assert "Maintenance" in found.words and "*/" in found.words
+    with zipfile.ZipFile(io.BytesIO(xlsx_bytes(report))) as book:
+        assert "maintenance" in book.read("xl/workbook.xml").decode()
+        assert "*/peg" in book.read("xl/worksheets/sheet8.xml").decode()
+    said = report_json(report)["maintenance"]
+    assert said["rows"][0]["seconds"] == peg.seconds and said["stale"] is None
+
+
+def test_a_run_of_another_revision_is_out_of_date(there: Path, tmp_path: Path) -> None:
+    def since(of: feeler.Mockup | None) -> str:
+        run_of = report_of(source_of(there, of), WHEN).maintenance
+        assert run_of is not None
+        return run_of.stale
+
+    assert since(loaded(tmp_path, mockup(is_raised=True))) == "block changed"
+    assert since(loaded(tmp_path, without_post())) == "left gone"
+    assert since(loaded(tmp_path, mockup({"stand/block": "stand/lump"}))) == "", "names do not matter"
+    assert since(None) == "", "nobody knows"
+
+
+def test_a_project_without_a_run_has_no_such_section(tmp_path: Path) -> None:
+    feeler.open_project(tmp_path / "new.feelproj", mockup()).close()
+    report = report_of(source_of(tmp_path / "new.feelproj"), WHEN)
+    assert report.maintenance is None and report_json(report)["maintenance"] is None
+    assert "Maintenance" not in Tags(as_html.html_page(report, Media()).decode()).words
+
+
+def test_the_report_of_the_page_has_the_run_of_its_project(there: Path, world: feeler.Mockup, tmp_path: Path) -> None:
+    path = tmp_path / "copy.feelproj"
+    path.write_bytes(there.read_bytes())
+    session = Session(project=open_or_make(path), has_threads=False)
+    session.open(world, feeler.Scene(world, threads=1), None, name="stand.glb")
+    session.job("report", {"pictures": 0}).result(WAIT_S)
+    page = session.export("report.html").decode()
+    session.close()
+    assert "2 of 2 come out" in page and "Out of date" not in page.partition("id=maintenance")[2].partition("<h2")[0]
+
+
+@pytest.mark.parametrize("text", HOSTILE[:5])
+def test_texts_of_a_run_are_shown_as_text(there: Path, tmp_path: Path, text: str) -> None:
+    def changed(table: str, value: Any) -> Any:
+        if table != "answers" or value.get("kind") != "maintain":
+            return value
+        texts = {name: text for name in ("name", "change", "why", "renamed_from")}
+        rows = [{**row, **texts, "paths": [text], "tools": [text]} for row in value["rows"]]
+        return {**value, "said": text, "at": text, "rows": rows, "contents": {text: "x"}}
+
+    report = report_of(source_of(_changed(there, tmp_path, changed), feeler.load_mockup(there.with_name("stand.glb"))))
+    assert report.maintenance is not None and report.maintenance.rows[0].name == text
+    page = as_html.html_page(report, Media()).decode()
+    assert page.count("<script") == 1 and "onclick=alert(1)>" not in page
+    with zipfile.ZipFile(io.BytesIO(xlsx_bytes(report))) as book:
+        assert not any(b"<f>" in book.read(each) for each in book.namelist() if "/sheet" in each)
 
 
 # ---- projects of strangers ----

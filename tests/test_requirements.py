@@ -9,12 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from clash_scene import mockup_of
-from commands import run
+from commands import error_of, run, run_json
 from shapes import box
 
 import feeler
+from feeler.cli.projects import Work, keep_work
 from feeler.errors import LoadError, MeshError, MissingFileError, OptionError
 from feeler.io import write_glb
+from feeler.project.book import open_or_make
+from feeler.project.store import put
+from feeler.workbench.session.session import Session
 
 
 def yard() -> feeler.Mockup:
@@ -151,6 +155,63 @@ def test_the_command(tmp_path: Path) -> None:
     answer = json.loads(run(*words, code=1).stdout)
     assert answer["holds"] is False and [each["status"] for each in answer["requirements"]] == ["holds", "violated"]
     assert json.loads(run(*words, "--without", "*flush").stdout)["holds"] is True
+
+
+def project_of(folder: Path, *asked: tuple[str, str, str, float], of: feeler.Mockup | None = None) -> Path:
+    """A project of the yard in the file yard.glb, with requirements made in the workbench."""
+    write_glb(folder / "yard.glb", yard() if of is None else of)
+    world = feeler.load_mockup(folder / "yard.glb")
+    book = open_or_make(folder / "yard.feelproj")
+    session = Session(project=book, has_threads=False)
+    session.open(world, feeler.Scene(world, threads=1), None, name="yard.glb")
+    keep_work(book, Work([str(folder / "yard.glb")]))
+    for name, a, b, gap in asked:
+        session.command("requirement_add", {"name": name, "a": a, "b": b, "gap": gap})
+    session.close()
+    return folder / "yard.feelproj"
+
+
+def test_the_requirements_of_a_project_are_checked(tmp_path: Path) -> None:
+    path = project_of(tmp_path, ("near", "*near", "*wall", 0.005), ("near", "*flush", "*wall", 0.001))
+    before = path.read_bytes()
+    done = run("verify", path, code=1)
+    assert "2 requirements: 1 violated, 1 holds" in done.stdout
+    assert "violated  near 2: " in done.stdout, "as the page exports them"
+    found = run_json("verify", path, "--without", "*flush")
+    assert found["holds"] and [each["name"] for each in found["requirements"]] == ["near", "near 2"]
+    assert path.read_bytes() == before, "it is only read"
+    with feeler.open_project(path):
+        assert len(run_json("verify", path, code=1)["requirements"]) == 2, "also one that is open elsewhere"
+
+
+def test_the_requirements_of_a_project_follow_a_newer_revision(tmp_path: Path) -> None:
+    path = project_of(tmp_path, ("near", "yard/pipes/near", "yard/duct/wall", 0.005))
+    old = yard()
+    paths = [each.replace("pipes/", "tubes/") for each in old.part_paths]
+    newer = feeler.Mockup(old.vertices, old.faces, old.part_of_face, old.part_names, part_paths=paths)
+    (tmp_path / "v2").mkdir()
+    write_glb(tmp_path / "v2" / "yard.glb", newer)
+    for words in ((path, tmp_path / "v2" / "yard.glb"), (tmp_path / "v2" / "yard.glb", "--project", path)):
+        (found,) = run_json("verify", *words)["requirements"]
+        assert (found["a"], found["status"]) == (["yard/tubes/near"], "holds")
+    assert "none of its 5 parts" in error_of("verify", path, "sample:differential:10000")
+
+
+def test_what_a_project_cannot_verify(tmp_path: Path) -> None:
+    path = project_of(tmp_path)
+    assert "has no requirements: add them in the workbench, or give --requirements" in error_of("verify", path)
+    (tmp_path / "r.toml").write_text(FILE.replace('"duct"', '"*wall"'))
+    assert "1 violated" in run("verify", path, "--requirements", tmp_path / "r.toml", code=1).stdout
+    assert "nothing says what must hold" in error_of("verify", tmp_path / "yard.glb")
+    assert "does not exist" in error_of("verify", tmp_path / "yard.glb", "--project", tmp_path / "no.feelproj")
+    assert not (tmp_path / "no.feelproj").exists()
+    none = project_of(tmp_path, ("none", "*nothing*", "*", 0.1))
+    assert "requirement 'none', a: " in error_of("verify", none)
+    for text in ('{"id":1,"name":"","a":"*","b":"*","gap":1}', '{"id":1,"name":"x","a":"*","b":"*","gap":-1}', "[]"):
+        book = open_or_make(path)
+        book.write([put("requirements", "1", 0, text)])
+        book.close()
+        assert "damaged" in error_of("verify", path)
 
 
 @pytest.mark.parametrize("sides", [{"a": []}, {"b": []}, {"a": ()}])

@@ -26,7 +26,7 @@ from feeler.cli.inputs import (
     indexed,
     read_checked,
 )
-from feeler.cli.projects import Work, files_of, named_project, open_named, take_mockup, work_of
+from feeler.cli.projects import Work, files_of, named_project, open_for_writing, take_mockup
 from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -163,9 +163,7 @@ def clash(
     book: Book | None = None
     work = Work(files_of(mockup), None, None, unit, up, without, only)
     if named is not None:
-        book = open_named(named, can_read_only=False)
-        context.call_on_close(book.close)
-        work = work if work.sources else work_of(book, work)
+        book, work = open_for_writing(context, named, work)
         outputs.check_targets(targets, _ENDINGS, work.sources)
         before = book.clashes()
     mockup, without, only = work.sources, work.without, work.only

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -30,6 +30,7 @@ from feeler.cli.inputs import (
     read_checked,
     read_tool,
 )
+from feeler.cli.projects import Work, files_of, named_project, open_for_writing, take_mockup
 from feeler.cli.values import POSITION, SECONDS, SEED
 from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
@@ -38,6 +39,9 @@ from feeler.progress import bar
 from feeler.tasks.run_files import renamed_from
 from feeler.tasks.steps import clock
 from feeler.words import plural
+
+if TYPE_CHECKING:
+    from feeler.project.book import Book
 
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",), "save": (".json",)}
 _SHOWN = 50
@@ -50,10 +54,13 @@ _FAULTS = ", ".join(MAINTAIN_FAULTS)
 feeler maintain engine.feeler --parts lru.csv --tools tools.toml --save last.json --html night.html
 feeler maintain engine.feeler --parts lru.csv --tools tools.toml --previous last.json --save last.json --workers 2
 feeler maintain engine.step --parts lru.csv --tool socket.stl --fail-on slower,unreachable --xlsx rows.xlsx
+feeler maintain engine.step --parts lru.csv --tools tools.toml --project engine.feelproj
+feeler maintain engine.feelproj --parts lru.csv --tools tools.toml --fail-on slower
 feeler maintain sample:gearbox:100000 --part "*idler_front/cover" --part "*generator/body" --json
 """
 )
 def maintain(
+    context: typer.Context,
     mockup: MockupFiles,
     *,
     parts: Annotated[
@@ -89,6 +96,13 @@ def maintain(
         typer.Option(metavar="JSON", help="The last run, of --save: what differs, and rows that nothing bears on."),
     ] = None,
     save: Annotated[Path | None, typer.Option(metavar="JSON", help="Write the run, for --previous.")] = None,
+    project: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="A project (.feelproj): compare with its last run, and write the run into it; made if it is missing.",
+        ),
+    ] = None,
     html: Annotated[Path | None, typer.Option(help="Write a page with the rows, changed ones first.")] = None,
     xlsx: Annotated[Path | None, typer.Option(help="Write the rows as an Excel workbook.")] = None,
     fail_on: Annotated[
@@ -114,13 +128,18 @@ def maintain(
     """Plans each of a list of parts as feeler task does, and compares with the last run.
 
     A row is kept from the last run if no part that changed was or is where its search looked; others ask again only
-    where parts changed. --save writes FILE.json, and what was asked beside it, FILE.json.answers. Ctrl-C writes the
-    rows that are done; --previous goes on with them. Exit status: 0 fine, 1 rows that match --fail-on, 2 bad input.
+    where parts changed. --save writes FILE.json, and what was asked beside it, FILE.json.answers. A project keeps both;
+    instead of the mock-up, it stands for the mock-up that it names. Ctrl-C writes the rows that are done; the next run
+    goes on with them. Exit status: 0 fine, 1 rows that match --fail-on, 2 bad input.
     """
     from feeler.cli import outputs
 
+    named = named_project(mockup, project)
+    if named is not None and previous is not None:
+        raise OptionError("--project has the last run: leave out --previous")
+    targets = {"html": html, "xlsx": xlsx, "save": save}
     # --previous may be saved in place.
-    outputs.check_targets({"html": html, "xlsx": xlsx, "save": save}, _ENDINGS, [*mockup, parts, tools, times])
+    outputs.check_targets(targets, _ENDINGS, [*mockup, parts, tools, times])
     words = _words(fail_on)
     if parts is not None and part:
         raise OptionError("--parts and --part both say which parts: give one of them")
@@ -132,9 +151,18 @@ def maintain(
         xlsx_library()
     before = None if previous is None else feeler.load_maintenance(previous)
     table = None if times is None else feeler.Times.load(times)
-    held = _catalogue(tools) if tools is not None else _tools(tool, grip, tool_unit, up)
-    world = read_checked(mockup, unit, up)
-    scene = Choice(None, without, only).scene_of(indexed(world, None, None, threads))
+    work = Work(files_of(mockup), None, None, unit, up, without, only)
+    book: Book | None = None
+    if named is not None:
+        from feeler.cli.kept_runs import last_run
+
+        book, work = open_for_writing(context, named, work)
+        outputs.check_targets(targets, _ENDINGS, work.sources)
+        before = last_run(book)
+    held = _catalogue(tools) if tools is not None else _tools(tool, grip, tool_unit, work.up)
+    world = read_checked(work.sources, work.unit, work.up)
+    contents = () if book is None else take_mockup(book, world, work)
+    scene = Choice(None, work.without, work.only).scene_of(indexed(world, None, None, threads))
     listed: Any = part if parts is None else Path(parts)
     options: dict[str, Any] = {
         "tools": held,
@@ -152,9 +180,23 @@ def maintain(
         run = stop.maintenance
         if not len(run):
             raise KeyboardInterrupt from None
-    written = _written(run, {"save": save, "html": html, "xlsx": xlsx})
+    except OptionError as error:
+        if book is None:
+            raise
+        said = str(error).replace("previous is a run", f"the last run in {book.path} is one")
+        raise OptionError(said.replace("give the last run of this mock-up, or none", "use another project")) from None
+    hints = [*run.hints]
+    try:
+        if book is not None:
+            from feeler.cli.kept_runs import keep_run
+
+            hints += keep_run(book, run, contents)
+    finally:  # what cannot be written into the project is in the files, at least
+        written = _written(run, targets)
+    if book is not None:
+        written["project"] = book.path
     failing = {word: [row.name for row in run.failing(word)] for word in words}
-    for hint in run.hints:
+    for hint in hints:
         outputs.warn(hint)
     if as_json:
         rows = [row.to_dict() for row in run]

@@ -14,10 +14,13 @@ from feeler.errors import LoadError, MissingFileError, OptionError, ProjectError
 
 if TYPE_CHECKING:
     from feeler.project.book import Book
+    from feeler.project.parts import PartContent
 
 _SUFFIX = ".feelproj"
 _SAMPLE = "sample:"
 _MOST_SOURCES = 10_000
+_NO_TOOL = "sample:wrench"
+"""For commands without the tool of the project: that may be gone."""
 
 ProjectFile = Annotated[
     Path | None,
@@ -111,6 +114,32 @@ def work_of(project: Book, given: Work) -> Work:
     return replace(Work(sources, tool), **chosen)
 
 
+def open_for_writing(context: typer.Context, path: Path, given: Work) -> tuple[Book, Work]:
+    """The project, which is closed at the end of the command, with the given files, or the mock-up that it names.
+
+    Raises the errors of `open_named` and `work_of`.
+    """
+    book = open_named(path, can_read_only=False)
+    context.call_on_close(book.close)
+    return book, given if given.sources else mockup_of(book, given)
+
+
+def mockup_of(project: Book, given: Work) -> Work:
+    """As `work_of`, without the tool."""
+    return replace(work_of(project, replace(given, tool=_NO_TOOL)), tool=None)
+
+
+def with_options(project: Book, given: Work) -> Work:
+    """The given files with the options that the project was opened with; without files, the mock-up that it names."""
+    if not given.sources:
+        return mockup_of(project, given)
+    try:
+        known = mockup_of(project, given)
+    except (MissingFileError, OptionError, LoadError):
+        return given
+    return replace(known, sources=given.sources)
+
+
 def tool_of(project: Book) -> tuple[str | None, str | None]:
     """The tool that a project was opened with last, and its unit; None if it is not there."""
     known = project.fact("opened")
@@ -150,8 +179,8 @@ def _names_same(known: Any, places: list[list[str]]) -> bool:
     )
 
 
-def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
-    """Makes a new project one of a mock-up. Raises `LoadError` for a project of another one."""
+def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> tuple[PartContent, ...]:
+    """Makes a new project one of a mock-up, and returns its parts. Raises `LoadError` for a project of another one."""
     from feeler.project.book import CHECK, dumps
     from feeler.project.parts import contents_of, rows_of
     from feeler.project.renaming import Names, renaming_changes
@@ -159,11 +188,13 @@ def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
 
     if project.parts():
         revision = project.revision(mockup)
+        parts = revision.parts
         if project.fact(CHECK) is None:
             # Findings of the workbench, without the shapes that a check compares: the project knows its parts.
             project.write(renaming_changes(project, Names.of(revision)))
     else:
-        project.write(rows_of(contents_of(mockup)))
+        parts = contents_of(mockup)
+        project.write(rows_of(parts))
     known = project.fact("opened")
     if known is None:
         keep_work(project, work)
@@ -172,6 +203,7 @@ def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> None:
         kept = known if isinstance(known, dict) else {}
         facts = {**_facts(project, work), **{name: kept.get(name) for name in ("tool", "tool_unit")}}
         project.write([put("facts", "opened", 0, dumps(facts))])
+    return parts
 
 
 def _place(project: Book, source: str) -> list[str]:

@@ -6,7 +6,6 @@ import contextlib
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,9 +14,9 @@ import typer
 import feeler
 from feeler.cli.app import INTERRUPTED, command, fail
 from feeler.cli.inputs import AsJson, MockupUnit, Only, Up, Without, read_mockup, warn_of_doubts
-from feeler.cli.projects import Work, files_of, named_project, open_named, work_of
+from feeler.cli.projects import Work, files_of, named_project, open_named, with_options
 from feeler.cli.values import Whole
-from feeler.errors import LoadError, MissingFileError, OptionError, WriteError
+from feeler.errors import MissingFileError, OptionError, WriteError
 from feeler.progress import bar
 from feeler.words import plural
 
@@ -29,8 +28,6 @@ if TYPE_CHECKING:
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",)}
 _FILES = "-files"
 """At the end of the name of the folder beside the page."""
-_NO_TOOL = "sample:wrench"
-"""A report needs no tool: that of the project may be gone."""
 _OWN_FILE = re.compile(r"question-\d+\.glb|sequence\.glb|mock-up\.html")
 
 
@@ -78,7 +75,7 @@ def report(
     up: Up = None,
     as_json: AsJson = False,
 ) -> None:
-    """Makes one report of a project: requirements, findings, questions with their ways, and work steps.
+    """Makes one report of a project: requirements, findings, questions with their ways, work steps, and maintenance.
 
     The project is only read: another process may have it open. If the files of its mock-up are not there, the report
     has no pictures. Exit status: 0 fine, 2 bad input. Ctrl-C writes the report with the pictures made so far, and ends
@@ -130,27 +127,16 @@ def _source(book: Book, given: Work) -> Source:
     from feeler.workbench.session.record import digest
 
     try:
-        work = given if given.sources else work_of(book, replace(given, tool=_NO_TOOL))
+        work = with_options(book, given)
     except (MissingFileError, OptionError) as error:
         text = "The files of the mock-up are not there: this report has no pictures and no films."
         warn(f"{str(error).partition(': give the mock-up')[0]}: the report has no pictures; give the mock-up, too")
         return of_book(book, None, notes=[text])
-    if given.sources:
-        work = _with_options(book, given)
     mockup = read_mockup(work.sources, work.unit, work.up)
     warn_of_doubts(mockup)
     absent = _absent(mockup, work)
     with bar("comparing parts") as progress:
         return of_book(book, mockup, absent, content=digest(mockup), progress=progress)
-
-
-def _with_options(book: Book, given: Work) -> Work:
-    """The given files with the options that the project was opened with."""
-    try:
-        known = work_of(book, replace(given, tool=_NO_TOOL))
-    except (MissingFileError, OptionError, LoadError):
-        return given
-    return replace(known, sources=given.sources)
 
 
 def _absent(mockup: feeler.Mockup, work: Work) -> list[int]:
@@ -251,6 +237,7 @@ def _print(made: Report, media: Media, written: Mapping[str, str]) -> None:
         (len(made.findings), "finding"),
         (len(made.questions), "question"),
         (len(made.steps), "work step"),
+        (0 if made.maintenance is None else len(made.maintenance.rows), "maintenance row"),
     ]
     said = ", ".join(plural(count, noun) for count, noun in counts if count) or "nothing yet"
     outputs.say(out, f"{made.project}: {said}")

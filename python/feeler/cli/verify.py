@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,20 +22,38 @@ from feeler.cli.inputs import (
     indexed,
     read_checked,
 )
+from feeler.cli.projects import Work, files_of, named_project, open_named, with_options
+from feeler.errors import LoadError, OptionError
 from feeler.progress import bar
-from feeler.requirements import Verified
+from feeler.requirements import Requirement, Verified
 from feeler.words import plural
+
+if TYPE_CHECKING:
+    from feeler.project.book import Book
 
 
 @command(
     examples="""
 feeler verify engine.step --requirements clearances.toml
 feeler verify engine.step --requirements clearances.toml --without "*cover*" --json
+feeler verify engine.feelproj
+feeler verify engine-2.step --project engine.feelproj --json
 """
 )
 def verify(
+    context: typer.Context,
     mockup: MockupFiles,
-    requirements: Annotated[Path, typer.Option(help="Pairs of parts by patterns, and their least distance (TOML).")],
+    requirements: Annotated[
+        Path | None, typer.Option(help="Pairs of parts by patterns, and their least distance (TOML).")
+    ] = None,
+    project: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="A project (.feelproj): check the requirements that it keeps, unless --requirements has others. It is "
+            "only read.",
+        ),
+    ] = None,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -46,13 +64,27 @@ def verify(
 ) -> None:
     """Checks clearances that must hold: named pairs of parts, each with its least distance.
 
+    A project instead of the mock-up, or beside it, has the requirements of the workbench. Alone it stands for the
+    mock-up that it names. Its parts are checked where the file has them, also those that were moved in the workbench.
+
     Exit status: 0 all hold, 1 one is violated, 2 bad input.
     """
     from feeler.cli import outputs
 
-    asked = feeler.read_requirements(requirements)
-    world = read_checked(mockup, unit, up, chord_tolerance)
-    scene = indexed(world, without, only, threads)
+    named = named_project(mockup, project)
+    if named is None and requirements is None:
+        raise OptionError("nothing says what must hold: give --requirements FILE, or a project that has requirements")
+    asked = () if requirements is None else feeler.read_requirements(requirements)
+    work = Work(files_of(mockup), None, None, unit, up, without, only)
+    book: Book | None = None
+    if named is not None:
+        book = open_named(named, read_only=True)
+        context.call_on_close(book.close)
+        work = with_options(book, work)
+    world = read_checked(work.sources, work.unit, work.up, chord_tolerance)
+    if book is not None and requirements is None:
+        asked = _kept(book, world)
+    scene = indexed(world, work.without, work.only, threads)
     with bar("checking") as progress:
         found = feeler.verify(scene, asked, threads=threads, progress=progress)
     is_violated = not all(found)
@@ -69,6 +101,21 @@ def verify(
             outputs.say(out, f"  {_line(each)}")
     if is_violated:
         raise typer.Exit(FOUND)
+
+
+def _kept(book: Book, world: feeler.Mockup) -> tuple[Requirement, ...]:
+    """The requirements in a project, with the names that parts have now. Raises `LoadError`, `OptionError`."""
+    from feeler.workbench.document.requirement_commands import requirements_of
+    from feeler.workbench.report.source import of_book
+
+    with bar("comparing parts") as progress:
+        kept = of_book(book, world, progress=progress).document.requirements
+    if not kept:
+        raise OptionError(f"{book.path} has no requirements: add them in the workbench, or give --requirements FILE")
+    try:
+        return requirements_of(kept)
+    except OptionError as error:
+        raise LoadError(f"{book.path} is damaged: {error}; use a copy") from None
 
 
 def _line(each: Verified) -> str:

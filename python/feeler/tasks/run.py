@@ -131,11 +131,10 @@ class Maintenance(Sequence[MaintainRow]):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the run as JSON, for `previous` of the next one, and its answers beside it. Raises `WriteError`."""
-        data = self.to_dict()
-        if self.answers is not None:
+        data, answers = packed(self)
+        if answers is not None:
             with atomic_file(_beside(path)) as file:
-                file.write(self.answers.data)
-            data["answers"] = self.answers.digest
+                file.write(answers)
         with atomic_file(path, ".json") as file:
             file.write(json.dumps(data, allow_nan=False).encode("utf-8", errors="replace"))
 
@@ -278,6 +277,37 @@ class MaintenanceInterrupted(KeyboardInterrupt):
         return (type(self), (self.maintenance,))
 
 
+def packed(run: Maintenance) -> tuple[dict[str, Any], bytes | None]:
+    """A run as JSON, and its answers: what files and projects keep of it."""
+    data = run.to_dict()
+    return (data, None) if run.answers is None else ({**data, "answers": run.answers.digest}, run.answers.data)
+
+
+def unpacked(data: object, answers: bytes | None, where: object) -> Maintenance:
+    """What `packed` gave, where its answers are missing or damaged with a hint. where: they are.
+
+    Raises `ValueError` for other data.
+    """
+    try:
+        if not isinstance(data, dict):
+            raise ValueError("it is a list or a single value")
+        run = Maintenance._from_dict(data)
+    except KeyError as error:
+        raise ValueError(f"{error} is missing") from None
+    except (TypeError, AttributeError, OverflowError, RecursionError):
+        raise ValueError("a value in it is of another kind") from None
+    if "answers" in data:
+        try:
+            if answers is None:
+                raise ValueError("they are missing")
+            if short(answers) != data["answers"]:
+                raise ValueError("they are damaged, or of another run")
+            run.answers = StoredAnswers(list(run.snapshot.parts), answers)
+        except ValueError as error:
+            run.hints = (f"The answers in {where} are not used: {error}. Rows that changed are computed in full.",)
+    return run
+
+
 def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
     """Reads what `Maintenance.save` wrote. Raises `LoadError`."""
     file = check_path("path", path, LoadError)
@@ -285,38 +315,20 @@ def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
         text = text_of(file)
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: leave it out of the first run") from None
+    beside = _beside(file)
     try:
-        data = json.loads(text)
-        if not isinstance(data, dict):
-            raise ValueError("it is a list or a single value")
-        run = Maintenance._from_dict(data)
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        said = "a value in it is of another kind" if isinstance(error, (TypeError, AttributeError)) else str(error)
-        said = f"{error} is missing" if isinstance(error, KeyError) else said
-        raise LoadError(f"{file} is no run of feeler maintain: {said}; give a file that --save wrote") from None
-    if "answers" in data:
-        run.answers, run.hints = _answers_beside(file, str(data["answers"]), list(run.snapshot.parts))
-    return run
+        answers = beside.read_bytes()
+    except OSError:
+        answers = None
+    try:
+        return unpacked(json.loads(text), answers, beside)
+    except (ValueError, RecursionError) as error:
+        raise LoadError(f"{file} is no run of feeler maintain: {error}; give a file that --save wrote") from None
 
 
 def _beside(path: str | os.PathLike[str]) -> Path:
     file = check_path("path", path, WriteError)
     return file.with_name(file.name + ENDING)
-
-
-def _answers_beside(file: Path, digest: str, paths: Sequence[str]) -> tuple[StoredAnswers | None, tuple[str, ...]]:
-    """The answers of a run, or a hint why there are none: rows are then computed in full."""
-    beside = _beside(file)
-    try:
-        data = beside.read_bytes()
-        if short(data) != digest:
-            raise ValueError("they are damaged, or of another run")
-        return StoredAnswers(paths, data), ()
-    except OSError:
-        said = "they are missing"
-    except ValueError as error:
-        said = str(error)
-    return None, (f"The answers in {beside} are not used: {said}. Rows that changed are computed in full.",)
 
 
 def _given(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -58,13 +59,24 @@ def requirements_checked(document: Document, given: Arguments, _known: object) -
     return replace(document, requirements=tuple(kept))
 
 
+def requirements_of(kept: Iterable[KeptClear]) -> tuple[Requirement, ...]:
+    """As `feeler.verify` takes them: each with a name of its own. Raises `OptionError` for those of a stranger."""
+    found: dict[str, Requirement] = {}
+    for each in kept:
+        name, number = each.name, 2
+        while name in found:
+            name, number = f"{each.name} {number}", number + 1
+        found[name] = Requirement(name, (each.a,), (each.b,), each.gap)
+    return tuple(found.values())
+
+
 def _gap(given: Arguments) -> float:
     return given.number("gap", 0.0, 1e3)
 
 
 def _check(given: Arguments, made: KeptClear) -> None:
     try:
-        Requirement(made.name, (made.a,), (made.b,), made.gap)
+        requirements_of([made])
     except FeelerError as error:
         raise given.fail("a", str(error), "change the patterns") from None
 

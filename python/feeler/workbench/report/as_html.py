@@ -15,7 +15,16 @@ from feeler.tasks.steps import clock
 from feeler.words import length, plural
 from feeler.workbench.report.content import name_of
 from feeler.workbench.report.html_style import SCRIPT, STYLE
-from feeler.workbench.report.values import FindingRow, Media, QuestionRow, Report, RequirementRow, TaskStepRow, WayRow
+from feeler.workbench.report.values import (
+    FindingRow,
+    MaintenanceRow,
+    Media,
+    QuestionRow,
+    Report,
+    RequirementRow,
+    TaskStepRow,
+    WayRow,
+)
 
 MOST_EMBEDDED = 24 << 20
 """Bytes of all films in one page, the first ones first; the others are left out of it."""
@@ -197,6 +206,7 @@ class _Page:
             *self._findings(),
             *self._questions(),
             *self._steps(),
+            *self._maintenance(),
             *self._about(),
             "</main>",
             *self._foot(),
@@ -211,6 +221,7 @@ class _Page:
             ("findings", "Findings", report.check is not None),
             ("questions", "Questions", bool(report.questions)),
             ("steps", "Work steps", bool(report.steps)),
+            ("maintenance", "Maintenance", report.maintenance is not None),
             ("about", "About this report", True),
         ]
         links = "".join(f'<a href="#{key}">{name}</a>' for key, name, is_there in sections if is_there)
@@ -259,6 +270,11 @@ class _Page:
         if report.steps:
             way = sum(row.length for row in report.steps if not row.joint)
             tiles.append(("steps", plural(len(report.steps), "work step"), f"{length(way)} of ways", ""))
+        if report.maintenance is not None:
+            maintained = report.maintenance.rows
+            out = sum(row.state == "out" for row in maintained)
+            kind = "bad" if any(row.is_worse for row in maintained) else ""
+            tiles.append(("maintenance", f"{out:,} of {len(maintained):,}", "parts come out", kind))
         if not tiles:
             return ["<p class=notice>The project has no requirements, findings, questions or work steps yet.</p>"]
         items = "".join(
@@ -554,6 +570,23 @@ class _Page:
             f"{self._film(row)}</li>"
         )
 
+    # ---- maintenance ----
+
+    def _maintenance(self) -> list[str]:
+        run = self._report.maintenance
+        if run is None:
+            return []
+        partial = "<p class=notice>The run was interrupted: rows are missing.</p>" if run.is_partial else ""
+        return [
+            "<h2 id=maintenance>Maintenance</h2>",
+            f"<p>How long each part takes to take out, by the run of {_text(run.at)}: {_text(run.sentence)}.</p>",
+            partial + _stale(run.stale),
+            _SCROLL + "<table><thead><tr><th>Part<th>State<th class=number>Time<th class=number>Spread<th>Tools"
+            "<th class=number>Reach<th class=number>Sight<th>Change</tr></thead><tbody>",
+            *(_maintained(row) for row in run.rows),
+            "</tbody></table></div>",
+        ]
+
     # ---- pictures and films ----
 
     def _picture(self, key: str, alt: str) -> str:
@@ -611,6 +644,26 @@ class _Page:
             "<span class=a>first</span> is blue and the <span class=b>second</span> orange, cut open where they meet; "
             "other parts are faint.</p></footer>"
         ]
+
+
+def _maintained(row: MaintenanceRow) -> str:
+    """A row of a run of `feeler maintain`."""
+    chip = _chip(row.state, {"out": "good", "failed": "bad"}.get(row.state, "warn"))
+    paths = [path for path in row.paths if path != row.name]
+    time, spread = ("" if each is None else _text(clock(each)) for each in (row.seconds, row.spread))
+    seen = "" if row.sight is None else f"{row.sight:.0%}"
+    return (
+        f"<tr><td>{_named(row.name)}{_soft(_names(paths))}{_soft(_text(row.renamed_from))}"
+        f"<td>{chip}{_soft(_text(row.why))}<td class=number>{time}<td class=number>{spread}<td>{_names(row.tools)}"
+        f"<td class=number>{'' if row.reach_deg is None else f'{row.reach_deg:.0f}°'}"
+        f"<td class=number>{seen}{_soft(f'{row.hidden:,} not seen' if row.hidden else '')}"
+        f"<td>{_chip('worse', 'bad') if row.is_worse else ''} {_text(row.change)}</tr>"
+    )
+
+
+def _soft(text: str) -> str:
+    """A line below another; text is HTML."""
+    return f"<br><span class=soft>{text}</span>" if text else ""
 
 
 def _image(data: bytes, alt: str) -> str:

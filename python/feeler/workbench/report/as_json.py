@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from feeler.workbench.report.values import FindingRow, QuestionRow, Report, RequirementRow, WayRow
+from feeler.workbench.report.values import FindingRow, Maintenance, QuestionRow, Report, RequirementRow, WayRow
 
 VERSION = 1
 
@@ -35,6 +35,7 @@ def report_json(report: Report, written: Mapping[str, str] | None = None) -> dic
         "resolved": [_finding(row) for row in report.resolved],
         "questions": [_question(row) for row in report.questions],
         "steps": [_way(row) for row in report.steps],
+        "maintenance": None if report.maintenance is None else _maintenance(report.maintenance),
         **({} if written is None else {"written": dict(written)}),
     }
 
@@ -72,6 +73,11 @@ def _question(row: QuestionRow) -> dict[str, Any]:
         "notes": list(row.notes),
         "facts": [{"name": name, "figure": figure} for name, figure in row.facts],
     }
+
+
+def _maintenance(run: Maintenance) -> dict[str, Any]:
+    rows = [{**asdict(row), "paths": list(row.paths), "tools": list(row.tools)} for row in run.rows]
+    return {**_some(run, ("at", "sentence", "is_partial")), "stale": run.stale or None, "rows": rows}
 
 
 def _way(row: WayRow) -> dict[str, Any]:

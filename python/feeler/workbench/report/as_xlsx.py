@@ -13,7 +13,16 @@ import numpy as np
 
 from feeler.io.csv_table import Cell
 from feeler.io.xlsx import xlsx_library
-from feeler.workbench.report.values import FindingRow, Media, ReachRow, Report, RequirementRow, TaskStepRow, WayRow
+from feeler.workbench.report.values import (
+    FindingRow,
+    MaintenanceRow,
+    Media,
+    ReachRow,
+    Report,
+    RequirementRow,
+    TaskStepRow,
+    WayRow,
+)
 
 MOST_ROWS = 100_000
 """Rows of a sheet; JSON has all."""
@@ -103,6 +112,7 @@ def _sheets(report: Report) -> list[tuple[str, Sequence[str], Rows]]:
         for number, way in enumerate(question.ways or (None,), start=1)
     )
     reaches = ((question, row) for question in report.questions for row in question.reaches)
+    run = report.maintenance
     return [
         ("summary", ("what", "sentence"), _summary(report)),
         ("requirements", _REQUIREMENT, map(_requirement, report.requirements)),
@@ -111,6 +121,7 @@ def _sheets(report: Report) -> list[tuple[str, Sequence[str], Rows]]:
         ("steps", ("number", *_WAY), ([number, *_way(way)] for number, way in enumerate(report.steps, start=1))),
         ("tasks", _TASK, ([question.title, *_task(row)] for question in report.questions for row in question.task)),
         ("access", _ACCESS, ([question.title, *_reach(row)] for question, row in reaches)),
+        *([] if run is None else [("maintenance", _MAINTENANCE, map(_maintained, run.rows))]),
     ]
 
 
@@ -167,6 +178,17 @@ def _task(row: TaskStepRow) -> list[Cell]:
     return [*facts, row.edited, row.arithmetic, row.because]
 
 
+_MAINTENANCE = (
+    *("name", "parts", "state", "time, s", "spread, s", "steps", "tools", "reach, degrees", "sight", "heads not seen"),
+    *("change", "why", "renamed from"),
+)
+
+
+def _maintained(row: MaintenanceRow) -> list[Cell]:
+    facts: list[Cell] = [row.name, "; ".join(row.paths), row.state, row.seconds, row.spread, row.steps]
+    return [*facts, "; ".join(row.tools), row.reach_deg, row.sight, row.hidden, row.change, row.why, row.renamed_from]
+
+
 _WAY = (
     *("name", "parts", "way, m", "turned, degrees", "least clearance, m", "touched", "tool", "checked", "out of date"),
 )
@@ -196,6 +218,10 @@ def _summary(report: Report) -> list[list[Cell]]:
         ["questions", len(report.questions)],
         ["work steps", len(report.steps)],
     ]
+    if report.maintenance is not None:
+        run = report.maintenance
+        lines += [["maintenance", run.sentence], ["last run", run.at]]
+        lines += [["changes since the run", run.stale]] if run.stale else []
     return lines + [["note", note] for note in report.notes]
 
 

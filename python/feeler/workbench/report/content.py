@@ -13,6 +13,7 @@ import numpy as np
 from feeler.choices import STATUSES
 from feeler.errors import OptionError
 from feeler.io.film import way_length
+from feeler.project.runs import RunRow
 from feeler.words import length
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer, WayFacts
@@ -27,6 +28,7 @@ LONGEST_NAME, LONGEST_TEXT = 500, 5_000
 MOST_ROWS = 20_000
 """Rows of one table: parts, blockers, fasteners, marks of one finding."""
 _LARGEST_M = 1e9
+_LONGEST_S = 1e9
 _ORDER: dict[str, int] = {status: number for number, status in enumerate(STATUSES)}
 _EARLIER = "it is about an earlier revision of the mock-up"
 _NO_POINT = (math.nan, math.nan, math.nan)
@@ -58,6 +60,7 @@ def report_of(source: Source, when: datetime.datetime | None = None) -> values.R
         resolved=tuple(writer.resolved()),
         questions=tuple(map(writer.question, document.cards)),
         steps=tuple(writer.steps()),
+        maintenance=_maintenance(source),
         notes=source.notes,
     )
 
@@ -108,9 +111,7 @@ class _Writer:
         return self._changes(self._source.stale, parts)
 
     def _changes(self, changes: Mapping[int, str], parts: Iterable[int]) -> str:
-        said = [f"{name_of(self.path(part))} {changes[part]}" for part in parts if part in changes]
-        more = f", and {len(said) - 3:,} more" if len(said) > 3 else ""
-        return ", ".join(said[:3]) + more
+        return _some([f"{name_of(self.path(part))} {changes[part]}" for part in parts if part in changes])
 
     def _is_moved(self, moved: Mapping[int, Any], out: Sequence[int], gripped: Sequence[int]) -> bool:
         """Whether parts lay elsewhere than now."""
@@ -413,6 +414,47 @@ class _Writer:
         names = [name_of(self.path(part)) for part in parts[:3]]
         more = f" and {len(parts) - 3:,} more" if len(parts) > 3 else ""
         return ", ".join(names) + more
+
+
+def _maintenance(source: Source) -> values.Maintenance | None:
+    """The last run of `feeler maintain`; None if there was none."""
+    run, since = source.run, source.since_run
+    if run is None:
+        return None
+    stale = [
+        f"{name_of(cut(path))} {change}" for change in ("changed", "new", "gone") for path in getattr(since, change)
+    ]
+    rows = tuple(map(_maintenance_row, run["rows"][:MOST_ROWS]))
+    return values.Maintenance(cut(run["at"]), cut(run["said"], LONGEST_TEXT), run["is_partial"], _some(stale), rows)
+
+
+def _maintenance_row(row: RunRow) -> values.MaintenanceRow:
+    seconds, high = _duration(row["seconds"]), _duration(row["high"])
+    return values.MaintenanceRow(
+        name=cut(row["name"]),
+        paths=tuple(map(cut, row["paths"][:MOST_ROWS])),
+        state=row["state"],
+        seconds=seconds,
+        spread=None if seconds is None or high is None else max(0.0, high - seconds),
+        steps=row["steps"],
+        tools=tuple(map(cut, row["tools"][:MOST_ROWS])),
+        reach_deg=row["reach_deg"],
+        sight=row["sight"],
+        hidden=row["hidden"],
+        change=cut(row["change"], LONGEST_TEXT),
+        is_worse=row["is_slower"] or row["state"] == "failed",
+        why=cut(row["why"], LONGEST_TEXT),
+        renamed_from=cut(row["renamed_from"]),
+    )
+
+
+def _duration(seconds: float | None) -> float | None:
+    return seconds if seconds is not None and 0.0 <= seconds < _LONGEST_S else None
+
+
+def _some(said: Sequence[str]) -> str:
+    """The first of these, and how many more there are."""
+    return ", ".join(said[:3]) + (f", and {len(said) - 3:,} more" if len(said) > 3 else "")
 
 
 def _joint_words(step: JointStep) -> str:

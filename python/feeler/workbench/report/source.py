@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,9 @@ from feeler.errors import FeelerError, LoadError, WorkbenchError
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.project.book import CHECK, Book, loads
-from feeler.project.parts import PartChanges, PartContent, Revision, revised
+from feeler.project.parts import PartChanges, PartContent, Revision, contents_of, revised
 from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
+from feeler.project.runs import RunFacts, shown_of
 from feeler.workbench.document import keeping, motion
 from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.cards import task_parts
@@ -30,6 +31,7 @@ class Source:
     """See the module. mockup: None without its files: no pictures. changes: against the mock-up as it is now.
 
     stale: how parts changed, by number. earlier: findings that are gone, as JSON. history: of statuses, as JSON.
+    run: the last one of `feeler maintain`. since_run: how the mock-up changed after it.
     """
 
     name: str
@@ -43,6 +45,8 @@ class Source:
     changes: PartChanges = field(default_factory=PartChanges)
     stale: Mapping[int, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    run: RunFacts | None = None
+    since_run: PartChanges = field(default_factory=PartChanges)
 
 
 def of_book(
@@ -92,6 +96,7 @@ def of_book(
         said.append("The parts have other numbers now: details of answers are left out. Ask the questions again.")
     if kept.aside:
         said.append("Removals, measures and questions of parts that are gone are left out.")
+    run = run_facts(book)
     head = next((row.value for row in rows("facts") if row.id == CHECK), "null")
     earlier = _object(loads(head, f"{book.path}: the clash check")).get("earlier")
     return Source(
@@ -106,6 +111,8 @@ def of_book(
         revision.changes(),
         {number: str(change) for number, change in revision.stale.items()},
         tuple(said),
+        run,
+        PartChanges() if run is None or mockup is None else _since(run, revision.parts),
     )
 
 
@@ -114,8 +121,9 @@ def of_document(
     mockup: Mockup,
     answers: Mapping[int, CardAnswer],
     history: Sequence[Mapping[str, Any]] = (),
+    run: RunFacts | None = None,
 ) -> Source:
-    """The source of a session's document."""
+    """The source of a session's document. history, run: of its project."""
     project = document.project
     stale = {} if project is None else dict(project.stale)
     by_change: dict[str, list[str]] = {name: [] for name in ("changed", "moved", "new")}
@@ -140,7 +148,27 @@ def of_document(
         (),
         changes,
         stale,
+        run=run,
+        since_run=PartChanges() if run is None else _since(run, contents_of(mockup)),
     )
+
+
+def run_facts(book: Book) -> RunFacts | None:
+    """The last run of `feeler maintain` in a project of anybody; None if there is none. Raises `LoadError`."""
+    shown = shown_of(book)
+    try:
+        run: RunFacts | None = None if shown is None else check(shown, RunFacts, "run")
+    except FeelerError as error:
+        raise LoadError(
+            f"{book.path} is damaged: its last run of feeler maintain is not as written ({error!s:.80}); use a copy"
+        ) from None
+    return run
+
+
+def _since(run: RunFacts, now: Sequence[PartContent]) -> PartChanges:
+    """How parts differ from those of a run. Their names do not matter to it."""
+    before = [PartContent(key, each, 0, 0.0, 0.0, 0.0, 0.0, each) for key, each in run["contents"].items()]
+    return replace(revised(before, (), now).changes(), renamed={})
 
 
 def checked_answer(facts: Any, parts: int) -> CardAnswer | None:

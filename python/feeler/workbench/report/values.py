@@ -195,6 +195,40 @@ class QuestionRow:
 
 
 @dataclass(frozen=True)
+class MaintenanceRow:
+    """A part, or several, of a run of `feeler maintain`. seconds, spread: None if they do not come out; why says why.
+
+    reach: the least free swing of a tool, degrees. sight: the share that is seen of heads; hidden: heads not seen.
+    """
+
+    name: str
+    paths: tuple[str, ...]
+    state: str
+    seconds: float | None
+    spread: float | None
+    steps: int
+    tools: tuple[str, ...]
+    reach_deg: float | None
+    sight: float | None
+    hidden: int
+    change: str
+    is_worse: bool
+    why: str
+    renamed_from: str
+
+
+@dataclass(frozen=True)
+class Maintenance:
+    """The last run of `feeler maintain`. at: UTC. stale: how the mock-up changed since."""
+
+    at: str
+    sentence: str
+    is_partial: bool
+    stale: str
+    rows: tuple[MaintenanceRow, ...]
+
+
+@dataclass(frozen=True)
 class Report:
     """The whole content.
 
@@ -218,6 +252,7 @@ class Report:
     resolved: tuple[FindingRow, ...]
     questions: tuple[QuestionRow, ...]
     steps: tuple[WayRow, ...]
+    maintenance: Maintenance | None = None
     notes: tuple[str, ...] = ()
 
 

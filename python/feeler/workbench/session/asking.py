@@ -14,6 +14,7 @@ from feeler.errors import OptionError, WorkbenchError
 from feeler.mockup import Tool
 from feeler.progress import Progress
 from feeler.project.layout import SUFFIX
+from feeler.project.runs import RunFacts
 from feeler.scene import Scene
 from feeler.words import plural
 from feeler.workbench.document import motion
@@ -96,8 +97,8 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
-    card. recorded: the record to replay, if there is one. history: of statuses, of a project. joint_to: shows a joint
-    at a value. tool: of a card, by its name.
+    card. recorded: the record to replay, if there is one. history, run: of a project, statuses and the last run of
+    `feeler maintain`. joint_to: shows a joint at a value. tool: of a card, by its name.
     """
 
     document: Document
@@ -111,6 +112,7 @@ class Place:
     cards: Callable[[int], CardAnswer]
     recorded: Recorded | None = None
     history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
+    run: Callable[[], RunFacts | None] = lambda: None
     joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
     tool: Callable[[Card, str], Tool] | None = None
 

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
+from feeler.project.runs import RunFacts
 from feeler.scene import Scene
 from feeler.workbench.document.answers import CardAnswer, Written
 from feeler.workbench.document.arguments import Arguments
@@ -44,13 +45,17 @@ class ReportPlace(Protocol):
     def history(self) -> Callable[[], Sequence[Mapping[str, Any]]]:
         """The history of statuses, of a project."""
 
+    @property
+    def run(self) -> Callable[[], RunFacts | None]:
+        """The last run of `feeler maintain`, of a project."""
+
 
 def report_file(place: ReportPlace, given: Arguments, progress: Progress) -> Written:
     """One page of what was found and done, with its films inside. `pictures`: as of `feeler report`."""
     pictures = given.whole("pictures", 0, _MOST_PICTURES) if given.has("pictures") else PICTURES
     progress(0.0, "report")
     document = place.document
-    source = of_document(document, place.scene.mockup, _answers(place), place.history())
+    source = of_document(document, place.scene.mockup, _answers(place), place.history(), place.run())
     report = report_of(source)
     media = media_of(source, report, pictures, lambda share, stage: progress(_DRAWN * share, stage))
     progress(_DRAWN, "writing")

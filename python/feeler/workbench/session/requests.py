@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from feeler.arguments import near
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
+from feeler.project.book import Book
+from feeler.project.runs import RunFacts
 from feeler.workbench.document.answers import CardAnswer, JointPlace
 from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.document import Document
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry
 from feeler.workbench.engine.hand import Hands
+from feeler.workbench.report.source import run_facts
 from feeler.workbench.session.asking import ASKS, JOBS, Place, Recorded
 from feeler.workbench.session.finding_jobs import TakenFindings
 from feeler.workbench.session.jobs import Job, Jobs
@@ -39,8 +42,8 @@ class Requests:
         """Findings of jobs, for the command "findings_take"."""
         self.recorded: Recorded | None = None
         """The record to replay, if there is one."""
-        self.history: Callable[[], Sequence[Mapping[str, Any]]] = tuple
-        """The history of statuses, of a project."""
+        self.project: Book | None = None
+        """That of the session, if there is one."""
         self.joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
         """Shows a joint at a value."""
 
@@ -69,10 +72,14 @@ class Requests:
                 self.taken,
                 cards,
                 self.recorded,
-                self.history,
+                tuple if self.project is None else self.project.history,
+                self._run,
                 self.joint_to,
                 lambda card, name: tool_called(hands, document, card, name),
             )
+
+    def _run(self) -> RunFacts | None:
+        return None if self.project is None else run_facts(self.project)
 
     def ask(self, places: Places, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
         """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""

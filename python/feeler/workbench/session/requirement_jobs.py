@@ -9,8 +9,9 @@ from feeler.progress import Progress
 from feeler.requirements import Requirement, verify
 from feeler.workbench.document.answers import Written
 from feeler.workbench.document.arguments import Arguments
-from feeler.workbench.document.document import KeptClear, Verdict, plain
+from feeler.workbench.document.document import Verdict, plain
 from feeler.workbench.document.protocol_findings import RequirementResult
+from feeler.workbench.document.requirement_commands import requirements_of
 from feeler.workbench.session.finding_jobs import FindingPlace, placed, threads
 
 _FILE = "requirements.toml"
@@ -28,7 +29,7 @@ def verified(place: FindingPlace, given: Arguments, progress: Progress) -> list[
         progress(number / len(document.requirements), each.name)
         where = {"moved": document.moved, "out": document.out, "gripped": tuple(document.gripped)}
         try:
-            (found,) = verify(scene, [Requirement(each.name, (each.a,), (each.b,), each.gap)], threads=threads())
+            (found,) = verify(scene, requirements_of([each]), threads=threads())
         except OptionError as error:
             made = Verdict("unknown", trouble=_short(str(error)), **where)  # type: ignore[arg-type]
         else:
@@ -54,20 +55,16 @@ def export_requirements(place: FindingPlace, given: Arguments, progress: Progres
     progress(0.0, "writing")
     if not place.document.requirements:
         raise WorkbenchError("there are no requirements", given.command, "add one first")
-    data = _toml(place.document.requirements).encode()
+    data = _toml(requirements_of(place.document.requirements)).encode()
     place.exports[_FILE] = data
     return {"name": _FILE, "bytes": len(data)}
 
 
-def _toml(requirements: tuple[KeptClear, ...]) -> str:
+def _toml(requirements: tuple[Requirement, ...]) -> str:
     lines = ["version = 1"]
-    names: set[str] = set()
     for each in requirements:
-        name, number = each.name, 2
-        while name in names:
-            name, number = f"{each.name} {number}", number + 1
-        names.add(name)
-        lines += ["", "[[requirement]]", f"name = {_quoted(name)}", f"a = {_quoted(each.a)}", f"b = {_quoted(each.b)}"]
+        (a,), (b,) = each.a, each.b
+        lines += ["", "[[requirement]]", f"name = {_quoted(each.name)}", f"a = {_quoted(a)}", f"b = {_quoted(b)}"]
         lines.append(f"gap = {each.gap!r}  # metres")
     return "\n".join(lines) + "\n"
 

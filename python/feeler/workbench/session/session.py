@@ -98,8 +98,7 @@ class Session:
         """Files of pages, and the opening of other mock-ups, if somebody offers it."""
         self._requests = Requests(self.openings.files)
         self._requests.joint_to = self.joints.to
-        if project is not None:
-            self._requests.history = project.history
+        self._requests.project = project
         self._clock, self._seed = clock, seed
         self.people = PeopleOf(clock, parts=self._part_count, is_playing=lambda: self._document.replaying is not None)
         """Who has a page, and who has the tool."""
