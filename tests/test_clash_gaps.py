@@ -1,4 +1,4 @@
-"""Verdicts of parts whose faces or halves are a little apart, with others that go through the gaps: in any turn and order."""
+"""Verdicts of parts whose faces or halves are a little apart, with others that go through the gaps."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def plate(corner: Floats, along: Floats, aside: Floats, cells: tuple[int, int]) 
 
 
 def sides(low: Floats, high: Floats, rng: np.random.Generator | None = None) -> Iterator[Mesh]:
-    """The sides of a box, wound outwards, the lower before the upper one of each axis; with `rng` each cut otherwise."""
+    """The sides of a box, wound outwards, by axes, the lower one first; with `rng` each cut otherwise."""
     for axis in range(3):
         out, along, aside = np.diag(high - low)[[axis, (axis + 1) % 3, (axis + 2) % 3]]
         for corner, pair in ((low, (aside, along)), (low + out, (along, aside))):

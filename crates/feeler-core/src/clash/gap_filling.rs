@@ -157,7 +157,9 @@ fn fill_loops(edges: &BTreeMap<[u32; 2], i32>, found: &mut Vec<[u32; 3]>) {
             if let Some(from) = place.get(&at) {
                 let round = way.split_off(*from);
                 found.extend(round.windows(2).skip(1).map(|pair| [pair[1], pair[0], round[0]]));
-                round.iter().for_each(|v| drop(place.remove(v)));
+                for v in &round {
+                    place.remove(v);
+                }
             }
             let Some(to) = next.get_mut(&at).and_then(Vec::pop) else { break };
             place.insert(at, way.len());

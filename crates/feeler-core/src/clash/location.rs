@@ -87,7 +87,13 @@ pub fn locate(
         }
         triangles.sort_unstable();
         triangles.dedup();
-        let filled = |(part, is_open): (&u32, &bool)| is_open.then(|| winding(p, &q, solids.fillings(*part))).unwrap_or(Some(0));
+        let filled = |(part, is_open): (&u32, &bool)| {
+            if *is_open {
+                winding(p, &q, solids.fillings(*part))
+            } else {
+                None
+            }
+        };
         let mut windings: Vec<Option<i32>> = parts.iter().zip(&is_open).map(filled).collect();
         for &face in triangles.iter() {
             let Ok(at) = parts.binary_search(&mockup.part_of_face(face)) else { continue };
