@@ -201,9 +201,9 @@ mod tests {
         }))
     }
 
-    /// A can whose wall has other corners around than its lids.
-    fn can(around: usize, lids: usize) -> Arrays {
-        let (vertices, faces) = cylinder(0.5, 1.0, lids, 1);
+    /// A can whose wall has other corners around than its lids, which are smaller.
+    fn can(around: usize, lids: usize, smaller: f64) -> Arrays {
+        let (vertices, faces) = cylinder(0.5 - smaller, 1.0, lids, 1);
         let caps = faces.into_iter().filter(|f| f.iter().any(|v| vertices[*v as usize][1..] == [0.0; 2])).collect();
         let wall = sheet(around, 1, |s, t| {
             let phi = TAU * if s == 1.0 { 0.0 } else { s };
@@ -219,12 +219,8 @@ mod tests {
             ("box", apart(4e-4, false), 4e-4),
             ("box", apart(1e-6, false), 1e-6),
             ("box cut alike", apart(1e-5, true), 1e-5),
-            ("can", can(150, 61), 7e-4),
-            (
-                "can cut alike",
-                moved(&can(90, 90), |p| [if p[0].abs() < 0.5 { p[0] } else { 1.0001 * p[0] }, p[1], p[2]]),
-                1e-4,
-            ),
+            ("can", can(150, 61, 0.0), 7e-4),
+            ("can cut alike", can(90, 90, 1e-4), 1e-4),
         ] {
             for n in 0..20 {
                 let turn = Pose::new(&if n > 0 { r.motion(1.0) } else { Pose::IDENTITY.matrix() }).unwrap();
