@@ -26,9 +26,10 @@ class Verdict(CodedEnum):
     either side of the face. A part that is larger than the closed hollow that it fills clashes, or is in contact if
     `contact` allows. A part of several solids is contained if one of them is, also if both parts have this solid; that
     is missed, and the parts are in contact, if another solid of one part shares a whole face with it, or if both parts
-    have open surfaces, too. Parts with loose seams, of gaps up to four millionths of their length, contain parts that
-    stick out by less than four times these gaps. A part that sticks out through a wider gap clashes; one that ends in
-    such a gap may be either.
+    have open surfaces, too. Gaps in the seams and cracks of a closed part count as filled: a part that goes through a
+    gap without touching its borders clashes, at any rotation and in any order; one that ends in a gap may be either.
+    Parts with loose seams, of gaps up to four millionths of their length, contain parts that stick out by less than
+    four times these gaps.
     """
 
     CLASH = "clash"

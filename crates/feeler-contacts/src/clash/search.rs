@@ -200,7 +200,7 @@ impl<'a> ClashSearch<'a> {
             let related: Vec<Related> = held.par_iter().filter_map(|held| judge.held(held)).collect();
             for related in related {
                 let kept = found.entry(related.parts).or_insert(related);
-                if related.relation == Relation::Held {
+                if related.relation == Relation::Crossing {
                     *kept = related;
                 }
             }

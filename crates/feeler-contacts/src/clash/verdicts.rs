@@ -6,6 +6,8 @@ use feeler_core::clash::asked::in_order;
 use feeler_core::clash::holding::Held;
 use feeler_core::clash::solids::Solids;
 use feeler_core::clash::touch::Touching;
+use feeler_core::geometry::intersect_triangle_triangle::intersect_triangle_triangle;
+use feeler_core::geometry::vectors::sub;
 use feeler_core::{Aabb, PairLimits};
 
 use super::copies::are_copies;
@@ -57,8 +59,10 @@ impl Judge<'_> {
         })
     }
 
-    /// The relation of two parts; `crossing`: two of their triangles that cross, if any do.
+    /// The relation of two parts; `crossing`: two of their triangles that cross, if any do. Parts that go through a gap cross, too.
     pub fn judge(&self, parts: [u32; 2], relation: Relation, crossing: Option<[u32; 2]>) -> Related {
+        let may_be = matches!(relation, Relation::Touching(_) | Relation::Held);
+        let relation = if may_be && self.is_through_a_gap(parts) { Relation::Crossing } else { relation };
         Related { parts, relation, verdict: self.verdict(parts, relation, crossing) }
     }
 
@@ -68,10 +72,29 @@ impl Judge<'_> {
         if !held.is_through {
             return Some(self.judge(parts, Relation::Held, None));
         }
-        let [a, b] = self.bodies_of(parts);
-        let loose = a.looseness().max(b.looseness());
-        let least = self.limits.contact(parts[0], parts[1]).max(SEAM_EXCESS * SEAM_EXCESS * loose);
-        is_deeper([&a, &b], least).then(|| self.judge(parts, Relation::Crossing, None))
+        let is_deep = || {
+            let [a, b] = self.bodies_of(parts);
+            let loose = a.looseness().max(b.looseness());
+            is_deeper([&a, &b], self.limits.contact(parts[0], parts[1]).max(SEAM_EXCESS * SEAM_EXCESS * loose))
+        };
+        (self.is_through_a_gap(parts) && is_deep()).then(|| self.judge(parts, Relation::Crossing, None))
+    }
+
+    /// Whether one of two parts meets what fills a gap of the other.
+    fn is_through_a_gap(&self, parts: [u32; 2]) -> bool {
+        [parts, [parts[1], parts[0]]].into_iter().any(|[part, other]| {
+            let bounds = &self.solids.mockup().part_bounds()[other as usize];
+            let near = self.solids.fillings(part).iter().filter(|t| Aabb::of_triangle(t).is_overlapping(bounds));
+            let mut near = near.peekable();
+            near.peek().is_some() && {
+                let [body, _] = self.bodies_of([other, part]);
+                near.any(|filling| {
+                    let t = filling.map(|p| sub(&p, body.origin()));
+                    let meets = |i| intersect_triangle_triangle(body.triangle(i), &t).map(drop);
+                    body.find_overlapping(&Aabb::of_triangle(&t), meets).is_some()
+                })
+            }
+        })
     }
 
     fn verdict(&self, parts: [u32; 2], relation: Relation, crossing: Option<[u32; 2]>) -> Option<Verdict> {

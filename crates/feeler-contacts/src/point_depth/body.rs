@@ -4,8 +4,9 @@
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
+use feeler_core::clash::gap_filling::fillings;
 use feeler_core::constants::NONE;
-use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
+use feeler_core::geometry::ray_crossings::{crossing, ray_end, RAY_OFFSETS};
 use feeler_core::geometry::vectors::{add, along, cross, dot, precise_normal, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Point, Triangle};
@@ -31,7 +32,8 @@ pub struct Closest {
     pub point: Point,
 }
 
-/// One part's surface. All is relative to its origin, so that parts far off are as exact as near ones.
+/// One part's surface, with the gaps of closed surfaces filled. All is relative to its origin, so that parts far off are as exact as near
+/// ones.
 #[derive(Debug)]
 pub struct Body {
     origin: Point,
@@ -44,8 +46,6 @@ pub struct Body {
     /// For each of them, as [`Adjacency::outward`].
     senses: Vec<i8>,
     tree: Tree,
-    has_cracks: bool,
-    is_loose: bool,
     looseness: f64,
     is_closed: bool,
     /// As [`Adjacency::neighbours`], by the places of its triangles; empty if it is closed.
@@ -60,15 +60,21 @@ impl Body {
         given.clone().flat_map(|(_, t)| t).for_each(|p| world.grow(&p));
         let middle = |a: usize| 0.5 * world.lower[a] + 0.5 * world.upper[a];
         let origin: Point = if world.is_empty() { [0.0; 3] } else { std::array::from_fn(middle) };
-        let (numbers, moved): (Vec<u32>, Vec<Triangle>) =
+        let (numbers, mut moved): (Vec<u32>, Vec<Triangle>) =
             given.map(|(number, t)| (number, t.map(|p| sub(&p, &origin)))).unzip();
+        if adjacency.is_loose() {
+            let outward = numbers.iter().zip(&moved).filter_map(|(number, t)| adjacency.wound_outward(*number, *t));
+            let filled = fillings(&outward.collect::<Vec<_>>());
+            moved.extend(filled);
+        }
         let bounds = moved.iter().fold(Aabb::EMPTY, |around, t| around.union(&Aabb::of_triangle(t)));
         let (tree, order) = Tree::new(&moved);
-        let senses: Vec<i8> = order.iter().map(|i| adjacency.outward[numbers[*i as usize] as usize]).collect();
+        let sense = |i: &u32| numbers.get(*i as usize).map_or(1, |number| adjacency.outward[*number as usize]);
+        let senses: Vec<i8> = order.iter().map(sense).collect();
         let triangles: Vec<Triangle> = order.iter().map(|i| moved[*i as usize]).collect();
         drop(moved);
         let is_closed = senses.iter().any(|sense| *sense != 0);
-        let is_loose = adjacency.has_cracks || adjacency.has_loose_seams;
+        let is_loose = adjacency.is_loose();
         let neighbours = if is_closed && !is_loose { Vec::new() } else { neighbours_of(&numbers, &order, adjacency) };
         let looseness = if is_loose { widest_seam(&triangles, &neighbours, bounds.longest()) } else { 0.0 };
         Body {
@@ -82,8 +88,6 @@ impl Body {
             border: OnceLock::new(),
             senses,
             tree,
-            has_cracks: adjacency.has_cracks,
-            is_loose,
             looseness,
         }
     }
@@ -106,11 +110,6 @@ impl Body {
     /// Whether some of its surfaces are closed, so that it has an inside.
     pub fn is_closed(&self) -> bool {
         self.is_closed
-    }
-
-    /// Whether its surface may have gaps, in seams and cracks: a point near it may be on either side of it.
-    pub fn is_loose(&self) -> bool {
-        self.is_loose
     }
 
     /// How wide the gaps in its seams are at most, metres; 0 without any.
@@ -227,15 +226,8 @@ impl Body {
         if is_out || !self.is_closed {
             return Some(false);
         }
-        let mut decided = Vec::new();
-        for offset in &RAY_OFFSETS {
-            let q = ray_end(p, &self.bounds, offset);
-            decided.extend(self.winding(p, &q));
-            if decided.len() == ray_count(self.has_cracks) {
-                break;
-            }
-        }
-        (!decided.is_empty()).then(|| median(decided) != 0)
+        let winding = |offset| self.winding(p, &ray_end(p, &self.bounds, offset));
+        RAY_OFFSETS.iter().find_map(winding).map(|winding| winding != 0)
     }
 
     /// How often the surface winds around a point, counted along a ray; `None` where the ray meets an edge.
@@ -261,11 +253,13 @@ fn last_place(bounds: &Aabb) -> f64 {
     largest.next_up() - largest
 }
 
-/// The neighbours of triangles by their places in an order, from their numbers in an adjacency.
+/// The neighbours of triangles by their places in an order, from their numbers in an adjacency; fillings have none.
 fn neighbours_of(numbers: &[u32], order: &[u32], adjacency: &Adjacency) -> Vec<[u32; 3]> {
-    let places: HashMap<u32, u32> = order.iter().zip(0..).map(|(i, place)| (numbers[*i as usize], place)).collect();
+    let number = |i: &u32| numbers.get(*i as usize);
+    let places: HashMap<u32, u32> = order.iter().zip(0..).filter_map(|(i, place)| Some((*number(i)?, place))).collect();
     let place = |number: u32| places.get(&number).copied().unwrap_or(NONE);
-    order.iter().map(|i| adjacency.neighbours[numbers[*i as usize] as usize].map(place)).collect()
+    let beside = |i| number(i).map_or([NONE; 3], |number| adjacency.neighbours[*number as usize].map(place));
+    order.iter().map(beside).collect()
 }
 
 /// How far corners are at most from the triangles beside their edges, as far as these are within the looseness of a seam.

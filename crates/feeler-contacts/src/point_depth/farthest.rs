@@ -341,9 +341,6 @@ impl<const N: usize> Search<'_, N> {
     /// not on it say, or else its middle.
     fn side_of(&mut self, i: usize, outline: &Outline) -> Side {
         let Direction { other, counted, .. } = self.directions[i];
-        if other.is_loose() {
-            return self.side_of_farthest(i, outline);
-        }
         if let Some(known) = outline.points.iter().find_map(|p| self.corners[i].known_side(p)) {
             return known;
         }
@@ -359,19 +356,6 @@ impl<const N: usize> Search<'_, N> {
             Some(_) => Side::Open,
             None => side(&outline.middle(), ON_SURFACE).unwrap_or(Side::Open),
         }
-    }
-
-    /// The same where the other surface has gaps: a corner in one may be on either side, however far off the rounding. So the point says
-    /// it that is farthest from the surface, of the corners and the middle.
-    fn side_of_farthest(&mut self, i: usize, outline: &Outline) -> Side {
-        let Direction { other, counted, .. } = self.directions[i];
-        let middle = outline.middle();
-        let farthest = std::iter::once(&middle)
-            .chain(&outline.points)
-            .filter_map(|p| self.corners[i].closest(*p, &[], other))
-            .max_by(|p, q| p.distance.total_cmp(&q.distance));
-        let side = farthest.and_then(|farthest| side_off(other, counted, &farthest.at, ON_SURFACE * self.least));
-        side.unwrap_or(Side::Open)
     }
 
     /// Whether a point is on the side that counts; `None` where that is open.

@@ -2,7 +2,7 @@
 
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::intersect_triangle_triangle::intersect_triangle_triangle;
-use crate::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
+use crate::geometry::ray_crossings::{crossing, ray_end, RAY_OFFSETS};
 use crate::geometry::vectors::sub;
 use crate::index::mockup_index::Index;
 use crate::index::ray_search::{RayPath, RayScratch};
@@ -56,7 +56,7 @@ impl RaySink for Along<'_> {
     }
 }
 
-/// Where a point lies to each of some parts (ascending). Of a surface that may have gaps, in seams and cracks, most of three rays decide.
+/// Where a point lies to each of some parts (ascending). Gaps of surfaces are filled.
 pub fn locate(
     (index, solids): (&Index, &Solids<'_>),
     p: &Point,
@@ -65,19 +65,16 @@ pub fn locate(
 ) -> Vec<Location> {
     let mockup = index.mockup();
     let mut found = vec![Location::Outside; parts.len()];
-    let is_in = |part: &u32| is_within(&mockup.part_bounds()[*part as usize], p);
-    if !parts.iter().any(is_in) {
+    let bounds = |part: u32| &mockup.part_bounds()[part as usize];
+    // Whether a ray has still to tell of a part.
+    let mut is_open: Vec<bool> = parts.iter().map(|part| is_within(bounds(*part), p)).collect();
+    if !is_open.contains(&true) {
         return found;
     }
-    let hull = parts
-        .iter()
-        .filter(|part| is_in(part))
-        .fold(Aabb::EMPTY, |hull, part| hull.union(&mockup.part_bounds()[*part as usize]));
-    // By part the windings that rays counted.
-    let mut windings: Vec<Vec<i32>> = vec![Vec::new(); parts.len()];
-    let mut needed: Vec<usize> = parts.iter().map(|part| if is_in(part) { 1 } else { 0 }).collect();
+    let around = parts.iter().zip(&is_open).filter(|(_, is_open)| **is_open);
+    let hull = around.fold(Aabb::EMPTY, |hull, (part, _)| hull.union(bounds(*part)));
     for offset in &RAY_OFFSETS {
-        if windings.iter().zip(&needed).all(|(counted, needed)| counted.len() >= *needed) {
+        if !is_open.contains(&true) {
             break;
         }
         let q = ray_end(p, &hull, offset);
@@ -90,40 +87,47 @@ pub fn locate(
         }
         triangles.sort_unstable();
         triangles.dedup();
-        let mut sums: Vec<Option<i32>> = vec![Some(0); parts.len()];
+        let filled = |(part, is_open): (&u32, &bool)| {
+            if *is_open {
+                winding(p, &q, solids.fillings(*part))
+            } else {
+                None
+            }
+        };
+        let mut windings: Vec<Option<i32>> = parts.iter().zip(&is_open).map(filled).collect();
         for &face in triangles.iter() {
             let Ok(at) = parts.binary_search(&mockup.part_of_face(face)) else { continue };
-            if needed[at] == 0 {
+            if !is_open[at] {
                 continue;
             }
             let triangle = mockup.mesh().triangle(face);
             if is_on(p, &triangle) {
-                (found[at], needed[at]) = (Location::On, 0);
+                (found[at], is_open[at]) = (Location::On, false);
                 continue;
             }
             match crossing(p, &q, &triangle) {
                 Some(0) => {}
                 Some(sign) => {
                     let solid = solids.of(parts[at]);
-                    needed[at] = ray_count(solid.is_loose());
                     let sense = i32::from(solid.adjacency().outward[solid.own(face) as usize]);
-                    sums[at] = sums[at].map(|sum| sum + sense * sign);
+                    windings[at] = windings[at].map(|sum| sum + sense * sign);
                 }
-                None => sums[at] = None,
+                None => windings[at] = None,
             }
         }
-        for ((counted, sum), needed) in windings.iter_mut().zip(sums).zip(&needed) {
-            if counted.len() < *needed {
-                counted.extend(sum);
+        for ((found, is_open), winding) in found.iter_mut().zip(&mut is_open).zip(windings) {
+            if let Some(winding) = winding.filter(|_| *is_open) {
+                *is_open = false;
+                *found = if winding == 0 { Location::Outside } else { Location::Inside };
             }
-        }
-    }
-    for ((found, counted), needed) in found.iter_mut().zip(windings).zip(needed) {
-        if needed > 0 && median(counted) != 0 {
-            *found = Location::Inside;
         }
     }
     found
+}
+
+/// How often a ray leaves triangles along their winding's normals, more than it enters them; `None` where it meets a border.
+fn winding(p: &Point, q: &Point, triangles: &[Triangle]) -> Option<i32> {
+    triangles.iter().map(|t| crossing(p, q, t)).sum()
 }
 
 /// Whether a point lies in a closed box.

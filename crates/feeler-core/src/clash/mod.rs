@@ -4,6 +4,7 @@ pub mod asked;
 mod boxes;
 pub mod brute;
 pub mod duplicates;
+pub mod gap_filling;
 pub mod holding;
 pub mod location;
 pub mod meeting;

@@ -3,6 +3,7 @@
 use feeler_lanes::mixed;
 use once_cell::race::OnceBox;
 
+use super::gap_filling::fillings;
 use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::mockup::Mockup;
@@ -121,9 +122,12 @@ impl<'a> Solid<'a> {
         !self.shells().is_empty()
     }
 
-    /// Whether its closed surfaces may have gaps, in seams and cracks.
-    pub fn is_loose(&self) -> bool {
-        self.adjacency.has_cracks || self.adjacency.has_loose_seams
+    fn fillings(&self) -> Vec<Triangle> {
+        if !self.adjacency.is_loose() {
+            return Vec::new();
+        }
+        let outward = self.triangles().filter_map(|own| self.adjacency.wound_outward(own, self.triangle(own)));
+        fillings(&outward.collect::<Vec<_>>())
     }
 
     /// A corner of each of its connected surfaces.
@@ -142,6 +146,7 @@ pub struct Solids<'a> {
     faces: PartFaces,
     adjacencies: Vec<OnceBox<Adjacency>>,
     cycles: Vec<OnceBox<bool>>,
+    fillings: Vec<OnceBox<Vec<Triangle>>>,
 }
 
 impl<'a> Solids<'a> {
@@ -149,7 +154,8 @@ impl<'a> Solids<'a> {
     pub fn new(mockup: &'a Mockup) -> Solids<'a> {
         let adjacencies = mockup.part_bounds().iter().map(|_| OnceBox::new()).collect();
         let cycles = mockup.part_bounds().iter().map(|_| OnceBox::new()).collect();
-        Solids { mockup, faces: PartFaces::new(mockup), adjacencies, cycles }
+        let fillings = mockup.part_bounds().iter().map(|_| OnceBox::new()).collect();
+        Solids { mockup, faces: PartFaces::new(mockup), adjacencies, cycles, fillings }
     }
 
     /// Whether each edge of a part is run along as often in one sense as in the other, so that all of its surfaces are closed: by sums of
@@ -170,6 +176,14 @@ impl<'a> Solids<'a> {
             });
             Box::new(sum == 0)
         })
+    }
+
+    /// The triangles that fill the gaps of a part's closed surfaces, in seams and cracks, wound outwards.
+    pub fn fillings(&self, part: u32) -> &[Triangle] {
+        if self.is_cycle(part) {
+            return &[];
+        }
+        self.fillings[part as usize].get_or_init(|| Box::new(self.of(part).fillings()))
     }
 
     /// The mock-up.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::constants::{EDGES_PER_OPEN_EDGE, LOOSE_EDGES_TRIED, NONE, WELD_SHARE};
 use crate::error::Result;
-use crate::geometry::bounds::{Aabb, Point};
+use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::triangle_normals::is_thin;
 use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
 use crate::mesh::topology::closed_shells::{closed_shells, ClosedShell, Surfaces};
@@ -273,6 +273,20 @@ impl Adjacency {
 
     fn is_torn(&self, part: u32) -> bool {
         self.torn_parts.binary_search(&part).is_ok()
+    }
+
+    /// Whether closed surfaces may have gaps, in seams and cracks.
+    pub fn is_loose(&self) -> bool {
+        self.has_cracks || self.has_loose_seams
+    }
+
+    /// The corners of a triangle in the order that winds it outwards; `None` of an open surface.
+    pub fn wound_outward(&self, t: u32, [a, b, c]: Triangle) -> Option<Triangle> {
+        match self.outward[t as usize] {
+            1 => Some([a, b, c]),
+            -1 => Some([b, a, c]),
+            _ => None,
+        }
     }
 
     /// The open surfaces of one part: the part, and the first triangle of each.
