@@ -113,16 +113,21 @@ impl Judge<'_> {
 
     /// Parts that are outside each other, but for solids that are in both.
     fn of_touching(&self, parts: [u32; 2]) -> Verdict {
-        let rounding = self.limits.rounding(parts[0], parts[1]);
-        let is_sharing = may_share_solids(self.solids, parts, rounding) && {
+        let filed = self.filed(parts);
+        let is_sharing = may_share_solids(self.solids, parts, filed) && {
             let [a, b] = self.bodies_of(parts);
-            is_holding_a_solid(self.solids, parts, [&a, &b], rounding)
+            is_holding_a_solid(self.solids, parts, [&a, &b], filed)
         };
         if is_sharing {
             Verdict::Contained
         } else {
             Verdict::Contact
         }
+    }
+
+    /// How uneven rounding makes a surface, metres: in a file as much as copies may differ.
+    fn filed(&self, parts: [u32; 2]) -> f64 {
+        self.limits.rounding(parts[0], parts[1]).max(self.limits.copies_within(parts[0], parts[1]))
     }
 
     /// Whether one of two parts has an inside.
@@ -190,8 +195,8 @@ impl Judge<'_> {
             return None;
         }
         let [p, q] = self.boxes_of(parts);
-        // Loose seams make a surface as uneven as they are wide, and rounding in a file as much as copies may differ.
-        let filed = rounding.max(self.limits.copies_within(parts[0], parts[1]));
+        // Loose seams make a surface as uneven as they are wide.
+        let filed = self.filed(parts);
         let [within_a, within_b] = [&a, &b].map(|body| filed.max(SEAM_EXCESS * body.looseness()));
         let least = |within: f64| match within {
             _ if within > filed => SEAM_EXCESS * within,
@@ -204,11 +209,11 @@ impl Judge<'_> {
             };
             is_in_other([&p, &q], [&a, &b], within_b) || is_in_other([&q, &p], [&b, &a], within_a)
         };
-        let is_solid_held = || is_holding_a_solid(self.solids, parts, [&a, &b], rounding);
+        let is_solid_held = || is_holding_a_solid(self.solids, parts, [&a, &b], filed);
         if is_deeper([&a, &b], contact) {
             return Some(if is_held() || is_solid_held() { Verdict::Contained } else { Verdict::Clash });
         }
-        if may_share_solids(self.solids, parts, rounding) && is_solid_held() {
+        if may_share_solids(self.solids, parts, filed) && is_solid_held() {
             return Some(Verdict::Contained);
         }
         // A thin part that only rounding keeps from being contained.
