@@ -211,9 +211,14 @@ def beside(
     scene = feeler.Scene(
         feeler.Mockup(vertices, faces, np.repeat([0, 1], [len(own[1]), len(other[1])]), ["own", "other"])
     )
+    return scene, held(scene, own)
+
+
+def held(scene: feeler.Scene, own: tuple[np.ndarray, np.ndarray]) -> haptics.Session:
+    """A session that holds part 0 in its place."""
     session = haptics.Session(scene.without([0]), feeler.Tool(*own, "own"))
     session.start(np.eye(4))
-    return scene, session
+    return session
 
 
 @pytest.mark.parametrize("head", [0.0, 0.0085])
@@ -237,6 +242,44 @@ def test_a_bolt_that_is_flush_with_a_solid_does_not_slide_through_it(below: floa
     aside = [np.eye(4), shifted(np.array([0.1, 0, 0]))]
     assert np.linalg.norm(dragged(scene, 0, aside)[:3, 3]) < 2e-3
     assert np.linalg.norm(gone(session, bolt[0], aside, 0.002)[:3, 3]) < 2e-3
+
+
+def frames() -> list[np.ndarray]:
+    """`(4, 4)`: places up to 3 km off, turned in some way."""
+    rng = np.random.default_rng(57)
+    found = []
+    for far in (0.0, 0.1, 30.0, 3000.0):
+        rotation, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        frame = shifted(far * rng.normal(size=3))
+        frame[:3, :3] = rotation * np.sign(np.linalg.det(rotation))
+        found.append(frame)
+    return [np.eye(4), *found]
+
+
+@pytest.mark.parametrize(("sides", "under"), [(16, [(0.003, -0.003)]), (33, [(0.003, -0.005), (0.006, -0.005)])])
+def test_a_flush_head_goes_no_deeper_in_any_frame(sides: int, under: list[tuple[float, float]]) -> None:
+    # Countersunk, and flat; in a plate without a hole.
+    vertices, faces = turned_profile([(0.0, -0.02), (0.003, -0.02), *under, (0.006, 0.0), (0.0, 0.0)], sides, 0.1)
+    plate, plate_faces = box((-0.05, -0.04, -0.03), (0.06, 0.05, 0.0))
+    face = vertices[:, 2] == 0.0
+    for above, frame in zip([0.0, 1e-15, 1e-9, 0.0, 1e-12], frames(), strict=True):
+        turn, place = frame[:3, :3], frame[:3, 3]
+        bolt = (vertices + np.array([0.0, 0.0, above])) @ turn.T + place, faces
+        scene, session = beside(bolt, (plate @ turn.T + place, plate_faces))
+        assert [seat.kind for seat in session.start(np.eye(4)).seats] == ["sunk"]
+        for way in ((0.0, 0.0, -1.0), (0.6, 0.0, -0.8)):
+            # The hand also in steps that are shorter than any tolerance.
+            small, large = ([shifted(k * step * (turn @ way)) for k in range(31)] for step in (3e-6, 1e-3))
+            pressed = gone(held(scene, bolt), bolt[0], [large[0], large[10]], 1e-3)
+            for end in (dragged(scene, 0, small), dragged(scene, 0, large), pressed):
+                moved = (bolt[0] @ end[:3, :3].T + end[:3, 3] - bolt[0]) @ turn
+                assert moved[face, 2].min() > -1.1e-6, (frame, way)
+        out = [np.eye(4), shifted(0.04 * turn[:, 2])]
+        for end in (dragged(scene, 0, out), gone(session, bolt[0], out, 0.002)):
+            np.testing.assert_allclose(end, out[-1], atol=5e-4)
+    # The planner goes out too, though in is tried first.
+    found = feeler.removal(scene, 0, directions=[-turn[:, 2]], seconds=20.0)
+    assert found.is_found and (found.poses[-1][:3, 3] - found.poses[0][:3, 3]) @ turn[:, 2] > 0.0
 
 
 def test_a_flush_collar_goes_no_deeper_than_it_is_beside_a_shaft_that_crosses_its_bore() -> None:

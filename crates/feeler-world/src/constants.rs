@@ -146,6 +146,12 @@ pub const CORNER_SHARE: f64 = 0.005;
 /// Most triangles of a tool from which rays look for such samples. More: smaller faces are seen, and a start takes longer.
 pub const MOST_SAMPLE_RAYS: usize = 1024;
 
+/// Most points of a sunk part's surfaces that are flush with its neighbour's, which hold these from going in. More: it takes longer.
+pub const MOST_FLUSH_POINTS: usize = 12;
+
+/// Most such points that are tried. More: smaller surfaces are seen, and a start takes longer.
+pub const MOST_FLUSH_TRIED: usize = 4096;
+
 // Seats for control loops.
 
 /// Most crossings that hold a sunk part in its place. More: it is held at more points, and each takes a row of the program.

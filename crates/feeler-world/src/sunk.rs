@@ -7,13 +7,18 @@ use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
-    CORNER_SHARE, FIT_DEPTH, LEADING_COS, MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS,
-    MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
+    CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED, MOST_PLACE_CORNERS,
+    MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEP_THICKNESS,
+    THROUGH_COS, THROUGH_TRIALS, TOUCH,
 };
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
-use crate::seats::{crossing_outside, crossings_in_place, Inside, SeatKind, Seated};
+use crate::seats::{crossing_outside, crossings_in_place, flush_points, Flush, FlushAt, Inside, SeatKind, Seated};
 use crate::surroundings::Surroundings;
+
+/// Of the ids of planes: these set apart what is flush, crossings, and contact planes.
+const FLUSH_BIT: u32 = 61;
+const CROSSING_BIT: u32 = 62;
 
 /// A plane that a sunk part is held by, at a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,13 +41,20 @@ impl Surroundings {
             self.stride = self.stride.min(thin.max(self.size / MOST_STEPS_A_LENGTH));
         }
         if self.least_sunk.is_finite() {
-            self.through = self.ways_through()?;
+            let seated = self.seated_at_start();
+            let scenes = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
+            let flush: Vec<Vec<Flush>> = scenes
+                .map(|sunk| sunk.map_or_else(|| Ok(Vec::new()), |sunk| self.find_flush(sunk)))
+                .collect::<Result<_>>()?;
+            self.through = self.ways_through(&flush)?;
+            self.flush = flush.iter().enumerate().map(|(body, flush)| self.keep_flush(body, flush)).collect();
             self.samples = self.samples_of_sunk()?;
         }
         Ok(())
     }
 
-    /// The planes that hold sunk parts: the contact planes that they have penetrated, and the sides of the volume that they filled.
+    /// The planes that hold sunk parts: the contact planes that they have penetrated, the surfaces that they are flush with, and the sides
+    /// of the volume that they filled.
     pub fn sunk_planes(&self, seated: &Seated, pose: &Pose) -> Result<Vec<SunkPlane>> {
         let mut found = Vec::new();
         for (number, (body, asked)) in self.environment.bodies.iter().zip(&seated.bodies).enumerate() {
@@ -55,17 +67,19 @@ impl Surroundings {
                 found.push(SunkPlane { plane, point: pose.apply(&point), room: moved.max(0.0) });
             }
             let mockup = sunk.scene().mockup();
+            let plane = |point: Point, normal: Point, gap: f64, [t, m]: [u32; 2], bit: u32| {
+                let id = id_in_body(u64::from(t) << 32 ^ u64::from(m) ^ 1 << bit, number);
+                Plane { point, normal, gap, part: body.part_in_mockup(mockup.part_of_face(m)), id }
+            };
+            for FlushAt { at, moved, flush } in self.flush_at(number, sunk.scene(), pose)? {
+                let plane = plane(at, flush.normal, moved, flush.triangles, FLUSH_BIT);
+                found.push(SunkPlane { plane, point: at, room: moved.max(0.0) });
+            }
             let pairs = self.sunk_pairs(number, sunk.scene(), pose);
             let inside = self.samples_inside(number, sunk.scene(), pose)?;
             for crossing in crossings_in_place(&self.tool, &self.start, mockup, (&pairs, &inside), pose) {
-                let [t, m] = crossing.triangles;
-                let plane = Plane {
-                    point: crossing.at,
-                    normal: scaled(&crossing.outward, -1.0),
-                    gap: crossing.room,
-                    part: body.part_in_mockup(mockup.part_of_face(m)),
-                    id: id_in_body(u64::from(t) << 32 ^ u64::from(m) ^ 1 << 62, number),
-                };
+                let outward = scaled(&crossing.outward, -1.0);
+                let plane = plane(crossing.at, outward, crossing.room, crossing.triangles, CROSSING_BIT);
                 found.push(SunkPlane { plane, point: crossing.at, room: crossing.room.max(0.0) });
             }
         }
@@ -137,7 +151,7 @@ impl Surroundings {
                     })
                     .step_by(stride)
                     .collect();
-                found.extend(spread(&inside(near_corners)?, MOST_PLACE_CORNERS));
+                found.extend(spread(&inside(near_corners)?, |(_, point)| point, MOST_PLACE_CORNERS));
                 found.extend(middles.iter().step_by(middles.len().div_ceil(MOST_PLACE_SAMPLES).max(1)));
             }
             all.push(found);
@@ -164,12 +178,18 @@ impl Surroundings {
     }
 
     /// By body, the directions in which parts that go through a neighbour leave their place against a contact plane.
-    fn ways_through(&self) -> Result<Vec<Vec<Point>>> {
+    fn ways_through(&self, flush: &[Vec<Flush>]) -> Result<Vec<Vec<Point>>> {
         let (seated, mut all) = (self.seated_at_start(), vec![Vec::new(); self.makings.len()]);
         for (number, (asked, ways)) in seated.bodies.iter().zip(&mut all).enumerate() {
             let Some(sunk) = &asked.sunk else { continue };
             let planes = sunk.contacts(&self.tool, &self.start, 0.0, None)?.planes;
-            for way in planes.iter().flat_map(|plane| [plane.normal, scaled(&plane.normal, -1.0)]) {
+            let mut tried: Vec<Point> = Vec::new();
+            let normals = planes.iter().map(|plane| plane.normal).chain(flush[number].iter().map(|flush| flush.normal));
+            for way in normals.flat_map(|normal| [normal, scaled(&normal, -1.0)]) {
+                if tried.iter().any(|other| dot(other, &way) >= FACE_ANGLE_COS) {
+                    continue;
+                }
+                tried.push(way);
                 if self.leads_inside(sunk.scene(), &way)? {
                     continue;
                 }
@@ -185,6 +205,42 @@ impl Surroundings {
             }
         }
         Ok(all)
+    }
+
+    /// Points of a body's sunk parts that are flush with it at the start, spread over their surfaces.
+    fn find_flush(&self, sunk: &Scene) -> Result<Vec<Flush>> {
+        let near = sunk.near_pairs(&self.tool, &self.start, TOUCH)?;
+        let pairs = near.iter().map(|gap| [gap.tool_triangle, gap.mockup_triangle]);
+        let all: Vec<Flush> =
+            pairs.flat_map(|pair| flush_points(&self.tool, &self.start, sunk.mockup(), pair)).collect();
+        let mut found = Vec::new();
+        for flush in all.iter().step_by(all.len().div_ceil(MOST_FLUSH_TRIED).max(1)) {
+            let beneath = along(&self.start.apply(&flush.point), -SEAT_TOLERANCE, &flush.normal);
+            if around_point(sunk, &beneath, &flush.normal)?.is_some() {
+                found.push(*flush);
+            }
+        }
+        Ok(spread(&found, |flush| &flush.point, MOST_FLUSH_POINTS))
+    }
+
+    /// Those of a body that a way through a neighbour does not take in.
+    fn keep_flush(&self, body: usize, flush: &[Flush]) -> Vec<Flush> {
+        let ways = self.through.get(body).map_or(&[][..], Vec::as_slice);
+        flush.iter().filter(|flush| ways.iter().all(|way| dot(way, &flush.normal) >= -LEADING_COS)).copied().collect()
+    }
+
+    /// Those of a body that have the neighbour beneath their place, at a pose.
+    pub(crate) fn flush_at(&self, body: usize, sunk: &Scene, pose: &Pose) -> Result<Vec<FlushAt>> {
+        let mut found = Vec::new();
+        for flush in self.flush.get(body).into_iter().flatten() {
+            let at = pose.apply(&flush.point);
+            let moved = dot(&sub(&at, &self.start.apply(&flush.point)), &flush.normal);
+            let beneath = along(&at, -(moved + SEAT_TOLERANCE), &flush.normal);
+            if around_point(sunk, &beneath, &flush.normal)?.is_some() {
+                found.push(FlushAt { at, moved, flush: *flush });
+            }
+        }
+        Ok(found)
     }
 
     /// The triangles of sunk pairs that meet.
@@ -213,20 +269,20 @@ fn middle_of(corners: &[Point; 3]) -> Point {
     std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0)
 }
 
-/// Some points that are far apart: each next one is the farthest from those before.
-fn spread(points: &[(u32, Point)], most: usize) -> Vec<(u32, Point)> {
-    let square = |a: &Point, b: &Point| dot(&sub(a, b), &sub(a, b));
-    let Some(first) = points.first() else { return Vec::new() };
-    let mut away: Vec<f64> = points.iter().map(|(_, point)| square(point, &first.1)).collect();
+/// Some of what has points that are far apart: each next one is the farthest from those before.
+fn spread<T: Copy>(all: &[T], point: impl Fn(&T) -> &Point, most: usize) -> Vec<T> {
+    let square = |a: &T, b: &T| sub(point(a), point(b)).iter().map(|x| x * x).sum::<f64>();
+    let Some(first) = all.first() else { return Vec::new() };
+    let mut away: Vec<f64> = all.iter().map(|one| square(one, first)).collect();
     let mut chosen = Vec::new();
     while chosen.len() < most {
         let Some((next, farthest)) = away.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         if farthest == 0.0 {
             break;
         }
-        chosen.push(points[next]);
-        for (least, (_, point)) in away.iter_mut().zip(points) {
-            *least = least.min(square(point, &points[next].1));
+        chosen.push(all[next]);
+        for (least, one) in away.iter_mut().zip(all) {
+            *least = least.min(square(one, &all[next]));
         }
     }
     chosen

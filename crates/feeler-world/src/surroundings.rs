@@ -10,7 +10,7 @@ use feeler_core::{Aabb, Closest, Point, Pose, Scene, Tool};
 use crate::constants::{EXIT_MARGIN, STEPS_A_LENGTH};
 use crate::environment::{id_in_body, Body, Environment, Pair};
 use crate::error::Result;
-use crate::seats::{find_seats, Allowed, Makings, Seat, SeatKind, Seated};
+use crate::seats::{find_seats, Allowed, Flush, Makings, Seat, SeatKind, Seated};
 
 /// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
@@ -37,6 +37,8 @@ pub struct Surroundings {
     pub(crate) through: Vec<Vec<Point>>,
     /// By body: triangles of sunk parts, and a point of each (tool frame) that is inside the neighbour at the start.
     pub(crate) samples: Vec<Vec<(u32, Point)>>,
+    /// By body: points of sunk parts that are flush with the neighbour at the start.
+    pub(crate) flush: Vec<Vec<Flush>>,
     /// By body: its parts that are in the tool at the start, and the depth by points, metres.
     pub(crate) start_depths: OnceLock<Vec<Vec<(u32, f64)>>>,
     /// Each way of being seated once.
@@ -109,6 +111,7 @@ impl Surroundings {
             least_sunk: f64::INFINITY,
             through: Vec::new(),
             samples: Vec::new(),
+            flush: Vec::new(),
             start_depths: OnceLock::new(),
             tool,
             known: Mutex::default(),

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use feeler_core::{Cast, CastOptions, GoOn, Motion, Point, Pose};
 
 use crate::ask::least_distance;
-use crate::constants::{CLEARANCE_SLACK, FIRST_SAMPLE, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER};
+use crate::constants::{
+    CLEARANCE_SLACK, FIRST_SAMPLE, FLUSH_PLAY, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER,
+};
 use crate::environment::Pair;
 use crate::error::Result;
-use crate::seats::{crossing_outside, Seat, Seated, SeatedBody, SmallerPart};
+use crate::seats::{crossing_outside, Seat, SeatKind, Seated, SeatedBody, SmallerPart};
 use crate::surroundings::Surroundings;
 
 /// Options of [`Surroundings::walk`].
@@ -271,6 +273,10 @@ impl Surroundings {
                     return Ok(Some(plane.part));
                 }
             }
+            let flush = self.flush_at(body, sunk.scene(), pose)?;
+            if let Some(deeper) = flush.iter().find(|one| one.moved < -FLUSH_PLAY) {
+                return Ok(Some(sunk.scene().mockup().part_of_face(deeper.flush.triangles[1])));
+            }
             if let Some(part) = self.deeper_than_at_start(body, sunk, pose, go_on)? {
                 return Ok(Some(part));
             }
@@ -313,7 +319,16 @@ impl Surroundings {
             pairs.sort_unstable();
             pairs.dedup();
             let is_near = |seat: &Seat| pairs.binary_search(&[seat.tool_part, seat.part]).is_ok();
-            own.iter_mut().zip(&makings.seats).for_each(|(holds, seat)| *holds = *holds && is_near(seat));
+            let mut left: Vec<(&mut bool, &Seat)> =
+                own.iter_mut().zip(&makings.seats).filter(|(holds, seat)| **holds && !is_near(seat)).collect();
+            // A sunk part that lies wholly in its neighbour is near no surface of it.
+            let sunk = asked.sunk.as_ref().filter(|_| left.iter().any(|(_, seat)| seat.kind == SeatKind::Sunk));
+            let inside = sunk.map(|sunk| sunk.containment(&self.tool, pose)).unwrap_or_default();
+            let is_inside = |seat: &Seat| {
+                let pair = [seat.tool_part, seat.part];
+                seat.kind == SeatKind::Sunk && (inside.containing.contains(&pair) || inside.contained.contains(&pair))
+            };
+            left.iter_mut().for_each(|(holds, seat)| **holds = is_inside(seat));
         }
         Ok((holds != seated.holds).then(|| self.seated(holds)))
     }

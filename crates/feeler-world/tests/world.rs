@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use feeler_contacts::{ContactSolver, Manifolds};
-use feeler_core::geometry::twist::{pose_of, rotation_of};
+use feeler_core::geometry::twist::{pose_of, rotation_of, times, transposed};
+use feeler_core::geometry::vectors::{scaled, sub};
 use feeler_core::{Mockup, Motion, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_shapes::{box_mesh, joined, Arrays};
+use feeler_shapes::{box_mesh, joined, lathe, Arrays};
 use feeler_world::{
     least_distance, Body, Environment, Error, PutDown, Release, SeatKind, Surroundings, WalkOptions, World,
 };
@@ -220,4 +221,100 @@ fn a_sunk_part_does_not_leave_its_place_by_its_corners() {
         assert!(stopped && most <= 0.021 * around.size() + 1e-5, "{turn:?}: {most} of {}", around.size());
         assert!(most > 0.01 * around.size(), "{turn:?}: {most}");
     }
+}
+
+/// A bolt in a plate without a hole, in some frame: its head's face is flush with the plate's, as far as rounding goes.
+struct FlushHead {
+    around: Surroundings,
+    start: Pose,
+    frame: Pose,
+    face: Vec<Point>,
+}
+
+impl FlushHead {
+    fn new(bolt: Arrays, above: f64, thick: f64, frame: &Pose) -> FlushHead {
+        let (vertices, faces) = box_mesh([0.004, -0.003, -0.5 * thick], [0.1, 0.08, thick], 1);
+        let plate = (vertices.iter().map(|p| frame.apply(p)).collect(), faces);
+        let start = frame.translated(&times(frame.rotation(), &[0.0, 0.0, above])).unwrap();
+        let face = bolt.0.iter().filter(|p| p[2] == 0.0).copied().collect();
+        FlushHead { around: around(&[plate], &tool(&[bolt]), &start), start, frame: *frame, face }
+    }
+
+    fn moved(&self, by: Point) -> Pose {
+        self.start.translated(&times(self.frame.rotation(), &by)).unwrap()
+    }
+
+    /// Where it gets by walks along a way to its shares, and how deep the face is at the deepest, metres.
+    fn walked(&self, way: Point, shares: &[f64]) -> (Point, f64) {
+        let (mut seated, mut pose) = (self.around.seated_at_start(), self.start);
+        let into_frame = transposed(self.frame.rotation());
+        let went = |pose: &Pose, p: &Point| times(&into_frame, &sub(&pose.apply(p), &self.start.apply(p)));
+        let mut deepest = 0.0f64;
+        for share in shares {
+            let to = self.moved(scaled(&way, *share));
+            let walk = self.around.walk(&seated, (&pose, &to), WalkOptions::default()).unwrap();
+            (seated, pose) = (walk.seated, walk.pose);
+            deepest = self.face.iter().map(|p| -went(&pose, p)[2]).fold(deepest, f64::max);
+        }
+        (went(&pose, &[0.0; 3]), deepest)
+    }
+}
+
+fn frames() -> impl Iterator<Item = Pose> {
+    let turns = [[0.0; 3], [0.3, -0.2, 0.9], [2.0, 0.7, -1.1]];
+    let places = [[0.0; 3], [0.1, 0.2, 0.3], [3000.0, -2000.0, 1000.0]];
+    turns.into_iter().flat_map(move |turn| places.map(|place| pose_of(&rotation_of(&turn), &place).unwrap()))
+}
+
+/// Countersunk and flat heads, round and square; the shank 20 mm long.
+fn heads() -> Vec<Arrays> {
+    let turned = |sides: usize, head: &[[f64; 2]]| {
+        lathe(&[&[[1e-4, -0.02], [0.003, -0.02]], head, &[[1e-4, 0.0]]].concat(), sides, 0.1)
+    };
+    let cone = [[0.003, -0.003], [0.006, 0.0]];
+    let flat = [[0.003, -0.005], [0.005, -0.005], [0.005, 0.0]];
+    vec![turned(16, &cone), turned(64, &cone), turned(33, &flat), turned(4, &flat)]
+}
+
+#[test]
+fn a_flush_head_goes_no_deeper_in_any_frame() {
+    let gaps = [0.0, 1e-15, 1e-12, 1e-9, -1e-12, -1e-9].into_iter().cycle();
+    let bolts = heads().into_iter().cycle().zip(gaps.zip([0.04, 0.012].into_iter().cycle()));
+    for (frame, (bolt, (above, thick))) in frames().zip(bolts) {
+        let head = FlushHead::new(bolt, above, thick, &frame);
+        let what = format!("{above} above a plate of {thick}, in {frame:?}");
+        assert_eq!(head.around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk], "{what}");
+        let steps: Vec<f64> = (1..=40).map(|k| f64::from(k) / 40.0).collect();
+        for way in [[0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [0.0, -0.95, -0.3], [0.1, 0.99, 0.0]] {
+            // In steps that are shorter than the tolerance of contact planes, and at once.
+            for (long, shares) in [(1e-4, &steps[..]), (0.005, &[1.0])] {
+                let (at, deepest) = head.walked(scaled(&way, long), shares);
+                assert!(deepest <= 1.01e-6, "{what}: {deepest} by {way:?}");
+                assert!(at[0].hypot(at[1]) < 0.02 * head.around.size() + 1e-5, "{what}: {at:?} by {way:?}");
+            }
+        }
+        let (out, _) = head.walked([0.0, 0.0, 0.04], &steps);
+        assert!((out[2] - 0.04).abs() < 1e-9, "{what}: {out:?}");
+    }
+}
+
+#[test]
+fn a_pin_whose_ends_are_flush_leaves_to_both_sides_in_any_frame() {
+    for frame in frames() {
+        let pin = lathe(&[[1e-4, -0.012], [0.003, -0.012], [0.003, 0.0], [1e-4, 0.0]], 24, 0.1);
+        let pin = FlushHead::new(pin, 0.0, 0.012, &frame);
+        for z in [0.03, -0.03] {
+            let (out, _) = pin.walked([0.0, 0.0, z], &[1.0]);
+            assert!((out[2] - z).abs() < 1e-9, "{z} in {frame:?}: {out:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sunk_part_that_lies_wholly_in_its_neighbour_is_still_sunk() {
+    // Its face is 0.1 mm beneath the plate's: no surface is near another.
+    let head = FlushHead::new(heads().swap_remove(0), 0.0, 0.04, &Pose::IDENTITY);
+    let start = head.around.seated_at_start();
+    assert!(head.around.left_at(&start, &head.moved([0.0, 0.0, -1e-4])).unwrap().is_none());
+    assert!(head.around.left_at(&start, &head.moved([0.0, 0.0, 0.03])).unwrap().is_some_and(|left| left.is_free()));
 }

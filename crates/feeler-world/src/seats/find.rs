@@ -2,8 +2,9 @@
 //!
 //! A pair in contact at the start is a seat until it separates. If it touches or overlaps a little, the tool's part is
 //! [eroded](super::erosion) and cast exactly. If it overlaps more, it is sunk, like a bolt modelled through a solid
-//! plate: it may not move against a contact plane that it has penetrated, and its surface may cross the neighbour's
-//! only within the volume that it filled at the start.
+//! plate: it may not move against a contact plane that it has penetrated, nor go in where its surface is
+//! [flush](super::flush) with the neighbour's, and its surface may cross the neighbour's only within the volume that it
+//! filled at the start.
 //!
 //! The original part is cast exactly, except for the pairs of surfaces in contact at the start and the surfaces next to them across
 //! convex edges: the facets of a pin cross the face around its hole when it leaves.

@@ -3,6 +3,7 @@
 mod erosion;
 mod fans;
 mod find;
+mod flush;
 mod inwards;
 mod place;
 mod seated;
@@ -11,5 +12,6 @@ pub use find::{Allowed, Seat, SeatKind};
 pub use seated::Seated;
 
 pub(crate) use find::find_seats;
+pub(crate) use flush::{flush_points, Flush, FlushAt};
 pub(crate) use place::{crossing_outside, crossings_in_place, Inside};
 pub(crate) use seated::{Makings, SeatedBody, SmallerPart};
