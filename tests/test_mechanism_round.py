@@ -208,3 +208,12 @@ def test_lugs_between_round_surfaces_stop_each_other(seed: int) -> None:
     found = moved.range("j")
     assert (found.lower, found.upper) == pytest.approx(want, abs=1e-6)
     assert want[0] <= found.lower and found.upper <= want[1]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_thin_tubes_in_each_other_are_a_fit_of_the_walls_between_them_alone(seed: int) -> None:
+    """The inside of the one is nearly as wide as the outside of the other."""
+    rng = np.random.default_rng(seed)
+    mine, its = (lathe(line, 24, rng.uniform()) for line in lines_of("tubes", rng))
+    moved = turning(mine, its, rng, "cylindrical")[0]
+    assert [seat.kind for seat in moved.clearance({"j.turn": (0.0, 0.1)}).seats] == ["round"]
