@@ -30,8 +30,8 @@ class MechanismSeat:
     other_path: str
     """The path of `other`."""
     kind: MechanismSeatKind = "touching"
-    """`touching`, `fit` or `sunk`, as in `removal`; `round`: a pin in its hole about the axis, of which only the facets
-    cross."""
+    """`touching`, `fit` or `sunk`, as in `removal`; `round`: surfaces of revolution about the axis, such as a pin in
+    its hole or a ball in its socket, of which only the facets cross."""
 
 
 @documented

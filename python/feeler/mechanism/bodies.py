@@ -15,7 +15,7 @@ from feeler.ignored import IgnoredPairs
 from feeler.mechanism.coupling import JointCoupling
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.links import Links
-from feeler.mechanism.seating import TOUCH_M, Seated, seated
+from feeler.mechanism.seating import TOUCH_M, Seated, Turn, seated
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.scene import Scene
@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _ALWAYS = 1e-12  # metres: rounding of levers
+_SAME_AXIS, _SAME_AXIS_M = 1e-9, 1e-9  # axes that differ by less are one
 
 
 class Bodies:
@@ -86,17 +87,29 @@ class Bodies:
         """Whether a joint or a coupling joins two links."""
         return frozenset((one, other)) in self._joined
 
-    def joint_between(self, one: int, other: int) -> Joint | None:
-        """The joint that joins two links, of the tree or of a loop."""
-        for link, above in ((one, other), (other, one)):
-            if link >= 0 and self.links.links[link].above == above:
-                return self.links.links[link].joint
-        return self._loops.get(frozenset((one, other)))
+    def turn_between(self, one: int, other: int) -> Turn | None:
+        """The axis about which two links turn against each other, by a joint of the tree or of a loop, or by several
+        about one axis, such as two shafts in each other that a third part carries."""
+        up, down = self.links.between(one, other)
+        joints = [self.links.links[number].joint for number in (*up, *down)]
+        joints = [joint for joint in joints if joint.kind is not JointKind.FIXED]
+        loop = self._loops.get(frozenset((one, other)))
+        if loop is not None:
+            joints = [loop]
+        if not joints or any(joint.kind in (JointKind.PRISMATIC, JointKind.FIXED) for joint in joints):
+            return None
+        axis, point = np.array(joints[0].axis), np.array(joints[0].point)
+        for joint in joints[1:]:
+            off = np.cross(np.array(joint.point) - point, axis)
+            if np.linalg.norm(np.cross(joint.axis, axis)) > _SAME_AXIS or np.linalg.norm(off) > _SAME_AXIS_M:
+                return None
+        return Turn(axis, point, all(joint.kind is JointKind.REVOLUTE for joint in joints))
 
     def seats(self, one: int, other: int) -> tuple[Seated, ...]:
         """The pairs of parts of two links that are seated in each other where they are modelled.
 
-        Of links that no joint, coupling or loop joins those that only touch: what crosses there is exact.
+        Of links that no joint, coupling or loop joins those that only touch, or turn in each other about one axis: all
+        else that crosses there is exact.
         """
         key = (one, other)
         if key not in self._seats:
@@ -108,7 +121,7 @@ class Bodies:
             self._seats[key] = tuple(
                 seat
                 for seat in found
-                if (is_joined or seat.kind == "touching") and (seat.part, seat.other) not in self._skipped
+                if (is_joined or seat.kind in ("touching", "round")) and (seat.part, seat.other) not in self._skipped
             )
         return self._seats[key]
 

@@ -8,18 +8,15 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from feeler._core import Chain, GuardedMove, Screw, Slide, World
-from feeler.choices import TOUCHINGS, MechanismSeatKind
-from feeler.mechanism.rounds import Round, clear_radii, moved, rounds_of
-from feeler.mechanism.seating import TOUCH_M, Seated
+from feeler._core import Chain, Screw, Slide, World
+from feeler.choices import TOUCHINGS
+from feeler.mechanism.seating import TOUCH_M, Seated, Turn, round_fit, rounds_about, rule_of
 from feeler.mechanism.track_motion import SAME, Step, seen_from
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
-Turn = tuple[Floats, Floats]
-"""An axis and a point of it."""
 Met = tuple[float, Floats, Floats]
 """A time, a point and a normal, in the frame of the other body at rest."""
 
@@ -27,8 +24,9 @@ Met = tuple[float, Floats, Floats]
 class TrackSeat:
     """A pair of parts of two bodies that are in contact at the start."""
 
-    def __init__(self, seat: Seated, start: Floats) -> None:
-        self.seat, self._start = seat, start
+    def __init__(self, seat: Seated, tool: Tool, around: Scene, start: Floats) -> None:
+        """tool: the part as its seat is followed; around: the other alone."""
+        self.seat, self._tool, self._around, self._start = seat, tool, around, start
 
     def meets(self, step: Step) -> Met | None:
         """Where the pair first goes deeper in a step than at the start, or meets elsewhere."""
@@ -41,7 +39,7 @@ class TrackSeat:
             return step.begin + share * (step.end - step.begin), point, normal
         if np.abs(step.pose - self._start).max() <= SAME:
             return None  # it jumps back to its seat
-        hit = self.seat.around.cast(self.seat.tool, step.pose, step.pose, touching=TOUCHINGS[-1])
+        hit = self._around.cast(self._tool, step.pose, step.pose, touching=TOUCHINGS[-1])
         return None if hit is None else (step.begin, hit.point, hit.normal)
 
 
@@ -61,16 +59,16 @@ def seats_at(
     found = []
     for number, other in sorted(pairs):
         vertices, faces = meshes.mesh(own[number])
-        placed = vertices @ pose[:3, :3].T + pose[:3, 3]
-        by = _cleared(meshes, (placed, faces), other, turn)
-        if by and turn is not None:
-            placed = moved(placed, *turn, by)
-            vertices = (placed - pose[:3, 3]) @ pose[:3, :3]
-        alone, single = Tool(vertices, faces), scene.only([other])
-        guard = GuardedMove(World(single, []), alone, pose)
-        kinds = [seat.kind for seat in guard.seats()]
-        kind: MechanismSeatKind = kinds[0] if kinds else "round" if by else "touching"
-        found.append(TrackSeat(Seated(number, own[number], other, kind, alone, single, guard), pose))
+        its = meshes.mesh(other)
+        fit = None
+        if turn is not None:
+            mesh = (vertices @ pose[:3, :3].T + pose[:3, 3], faces)
+            fit = round_fit(turn, mesh, rounds_about(turn, mesh), its)
+            if fit is not None:
+                vertices = (fit.moved(mesh[0]) - pose[:3, 3]) @ pose[:3, :3]
+        single = scene.only([other])
+        kind, rule = rule_of((vertices, faces), fit, its, single, pose)
+        found.append(TrackSeat(Seated(number, own[number], other, kind, rule), Tool(vertices, faces), single, pose))
     return found
 
 
@@ -90,19 +88,20 @@ def reversed_joints(joints: Sequence[Screw | Slide]) -> list[Screw | Slide]:
 
 def turn_of(steps: Iterable[Step]) -> Turn | None:
     """The axis of the first step that only turns; None if there is none."""
-    for step in steps:
+    taken = list(steps)
+    for step in taken:
         if len(step.joints) == 1 and isinstance(step.joints[0], Screw):
             screw = step.joints[0]
             axis = np.array(screw.axis, dtype=np.float64)
-            length = math.sqrt(float(axis @ axis))
-            return axis / length, np.array(screw.point, dtype=np.float64)
+            axis, point = axis / math.sqrt(float(axis @ axis)), np.array(screw.point, dtype=np.float64)
+            is_alone = all(each.joints and all(_turns(joint, axis, point) for joint in each.joints) for each in taken)
+            return Turn(axis, point, is_alone)
     return None
 
 
-def _cleared(
-    meshes: PartMeshes, mine: tuple[Floats, npt.NDArray[np.int64]], other: int, turn: Turn | None
-) -> list[tuple[Round, float]]:
-    if turn is None:
-        return []
-    rounds = rounds_of(*mine, *turn)
-    return clear_radii(rounds, rounds_of(*meshes.mesh(other), *turn, rounds)) if rounds else []
+def _turns(joint: Screw | Slide, axis: Floats, point: Floats) -> bool:
+    """Whether a joint only turns about an axis."""
+    if isinstance(joint, Slide) or joint.pitch != 0.0:
+        return False
+    off = np.cross(np.array(joint.point) - point, axis)
+    return bool(max(np.abs(off).max(), np.abs(np.cross(joint.axis, axis)).max()) <= SAME)
