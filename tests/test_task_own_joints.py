@@ -224,3 +224,39 @@ def test_a_plate_between_others_leaves_sideways_in_any_pose() -> None:
         assert steps(task) == [("take out", "plate")], seed
         times.append(task.seconds)
     assert times == pytest.approx([times[0]] * len(times))
+
+
+def halves_on_a_wall() -> dict[str, Any]:
+    """A pipe along x in a clamp of two halves, of which two screws below the pipe fasten the lower to a wall."""
+    pipe = (cylinder(10, -60, 60, 48) - cylinder(8, -61, 61, 48)).rotate((0, 90, 0))
+    bore = cylinder(10.02, -20, 20, 48).rotate((0, 90, 0))
+    lower = block((-12, -30, -25), (12, 30, -0.5)) - bore
+    upper = block((-12, -30, 0.5), (12, 30, 16)) - bore
+    wall = block((-40, -60, -40), (40, 60, -25))
+    parts: dict[str, Any] = {"pipe": pipe}
+    for number, y in enumerate((-22.0, 22.0)):
+        lower -= cylinder(3, -26, 1).translate((0, y, 0))
+        upper -= cylinder(3.3, 0, 17).translate((0, y, 0))
+        parts[f"bolt_{number}"] = (cylinder(5, 16, 22, 6) + cylinder(3, -10, 16.1)).translate((0, y, 0))
+    for number, x in enumerate((-6.0, 6.0)):
+        lower -= (cylinder(1.7, -26, 0) + cylinder(3.2, -14, 0)).translate((x, 0, 0))
+        wall -= cylinder(1.5, -36, -24).translate((x, 0, 0))
+        screw = cylinder(2.75, -14, -11) + cylinder(1.5, -34, -13.9) - cylinder(1.4, -12.5, -10, 6)
+        parts[f"wall_screw_{number}"] = screw.translate((x, 0, 0))
+    return {**parts, "clamp_upper": upper, "clamp_lower": lower, "wall": wall}
+
+
+def test_screws_of_half_a_clamp_do_not_hold_the_pipe() -> None:
+    scene = feeler.Scene(tilted(meshes(halves_on_a_wall()), 3))
+    held = {row.path: row.paths for row in feeler.holds(scene)}
+    assert held["bolt_0"] == ("clamp_upper", "pipe") and held["wall_screw_0"] == ("clamp_lower",), held
+    task = feeler.task(scene, "pipe")
+    assert steps(task)[:2] == [("undo", "bolt_0"), ("undo", "bolt_1")], task.blocked
+    assert steps(task)[-1] == ("take out", "pipe")
+
+
+def test_a_kept_clamp_leaves_with_nothing() -> None:
+    parts = {name: each for name, each in halves_on_a_wall().items() if name != "wall" and "screw" not in name}
+    task = feeler.task(feeler.Scene(tilted(meshes(parts), 4)), "pipe", keep="clamp_lower")
+    assert task.is_found, task.blocked
+    assert all("clamp_lower" not in step.paths for step in task.steps)

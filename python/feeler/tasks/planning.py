@@ -262,6 +262,8 @@ def _question(
         for washer in fixings.washers(part):
             riders.setdefault(part, []).append(washer)
             lead[washer] = part
+        if part in kept:
+            continue
         pipe, anchor = fixings.captive_on(part), fixings.anchor(part)
         if part in fixings.riding and anchor is not None:
             pipe = anchor
@@ -273,6 +275,8 @@ def _question(
         elif fixings.is_plug(part) and anchor is not None:
             riders.setdefault(anchor, []).append(part)
     for stud, anchor in fixings.studs.items():
+        if stud in kept:
+            continue
         riders.setdefault(anchor, []).append(stud)
         lead[stud] = anchor
     options = {"ignore": [], "overlap": 0.0, "seats": True, "clearance": 0.0, "seed": seed, "threads": threads}

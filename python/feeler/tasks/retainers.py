@@ -26,6 +26,8 @@ TOUCH_M = 2e-4
 """Parts nearer than this lean on a circlip, metres."""
 CLASP_M = 5e-4
 """What clamps and clips hold may have this gap: rubber is often not drawn."""
+HALVES_M = 3e-3
+"""The widest gap between the halves of a clamp."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
 _AROUND = 24  # rays around a circlip, on each side
@@ -49,13 +51,19 @@ class Retained:
 
 
 def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
-    """What the clamps and clips among some parts touch, but for some. scene: without fasteners."""
-    mockup, found = scene.mockup, set[int]()
+    """What the clamps and clips among some parts touch, but for some. scene: without fasteners.
+
+    Half a clamp holds nothing by what fastens it alone: that only joins it to its support.
+    """
+    mockup, found, known = scene.mockup, set[int](), {*parts} | but
     for part in parts:
         if retainer_said(mockup.part_names[part]) == "clasp":
-            near = scene.clearance(Tool.of_parts(mockup, [part]), np.eye(4), CLASP_M)
-            found.update(int(each) for each in near.parts)
-    return sorted(found - set(parts) - but)
+            near = scene.clearance(Tool.of_parts(mockup, [part]), np.eye(4), HALVES_M)
+            touched = {int(each): float(gap) for each, gap in zip(near.parts, near.distances, strict=True)}
+            halves = {each for each in touched if retainer_said(mockup.part_names[each]) == "clasp"} - {part}
+            if not halves or halves & known:
+                found.update(each for each, gap in touched.items() if gap <= CLASP_M)
+    return sorted(found - known)
 
 
 def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
