@@ -64,7 +64,7 @@ def write_bcf(
     """Writes a topic for each group, with a viewpoint and a picture. Returns the number of topics.
 
     If there are more than `most` groups, those with decisions are kept first, whatever their rank: a finding that is
-    reviewed or approved, has a note, or whose status has a name. Then the worst are kept. The others are left out. The
+    reviewed or approved, has a note, or names who set its status. Then the worst are kept. The others are left out. The
     viewpoint and the picture show the worst finding of the group. The description lists the 50 worst findings, and a
     comment the ids of some 30,000 more. `AuthoringToolId` holds the path of a part. A finding with a note, or with
     another status than its topic, has a comment, which `apply_bcf` reads back. by: how to group, as in

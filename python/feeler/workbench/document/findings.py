@@ -56,8 +56,8 @@ def findings_of(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findin
     if lacked and len(lacked) == len(table.paths):
         raise LoadError(
             f"none of the parts in the findings exist in this mock-up (0 of {len(lacked):,}, such as "
-            f"{table.paths[lacked[0]]!r}). Give the findings of this mock-up; if its parts were renamed, take them over "
-            "by feeler clash --previous"
+            f"{table.paths[lacked[0]]!r}). Give the findings of this mock-up. If parts were renamed, feeler clash "
+            "--previous takes the findings over"
         )
     return Findings(table)
 
