@@ -12,6 +12,8 @@ from shapes import box
 
 import feeler
 from feeler.clashes import write_bcf
+from feeler.clashes.as_bcf import left_out
+from feeler.clashes.words import title
 
 NAMES = {
     **{"blanks": "  ", "nothing": "", "tab": "\t", "no-break space": "\u00a0", "line breaks": "\r\n"},
@@ -60,3 +62,34 @@ def test_a_blank_author_is_feeler(tmp_path: Path) -> None:
 def test_a_title_is_no_longer_than_trackers_show(tmp_path: Path) -> None:
     found = {element.tag: element.text or "" for element in elements(written(tmp_path, "x" * 5000))}
     assert len(found["Title"]) == 250 and found["Title"].endswith("\u2026") and "x" * 5000 in found["Description"]
+
+
+def rows_of_pairs(count: int) -> tuple[feeler.Mockup, feeler.Clashes]:
+    """Pairs of cubes far apart, each deeper than the next: a group each."""
+    shapes = {}
+    for k in range(count):
+        shapes[f"a{k}"] = box((3 * k, 0, 0), (3 * k + 1, 1, 1))
+        shapes[f"b{k}"] = box((3 * k + 0.5 + 0.01 * k, 0, 0), (3 * k + 2, 1, 1))
+    mockup = mockup_of(shapes)
+    return mockup, feeler.clash(mockup, 0.0)
+
+
+def titles(path: Path) -> list[str]:
+    return [each.text or "" for each in elements(path) if each.tag == "Title"]
+
+
+def test_groups_with_decisions_come_before_worse_ones(tmp_path: Path) -> None:
+    """The file is full: what somebody decided is in it, and what `diff` made active is no decision."""
+    mockup, found = rows_of_pairs(6)
+    before = rows_of_pairs(6)[1]
+    before.set_status(before.ids[4], "approved")
+    before.set_status(before.ids[5], "active", note="ask ada")
+    found.diff(before)
+    assert set(found.statuses.tolist()) == {"active", "approved"}
+    for most, rows in ((1, [4]), (2, [4, 5]), (3, [0, 4, 5]), (6, [*range(6)])):
+        assert write_bcf(tmp_path / "a.bcf", found, mockup, most=most) == most
+        assert titles(tmp_path / "a.bcf") == [title(each) for each in (found.groups()[row] for row in rows)]
+    assert left_out(found, "part", 1) == "has 1 of 6 groups, the worst of 2 with decisions"
+    assert left_out(found, "part", 3) == "has 3 of 6 groups: 2 with decisions, and the worst of the others"
+    assert left_out(found, "part", 6) == ""
+    assert left_out(rows_of_pairs(6)[1], "part", 3) == "has the 3 worst of 6 groups"

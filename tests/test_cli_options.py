@@ -243,3 +243,28 @@ def test_an_error_about_a_file_of_several_options_names_them_all() -> None:
     ):
         assert in_command_line_words(message, options, words) == expected
     assert in_command_line_words("a.stl: is empty", options, {**words, "mockup": ["a.stl"]}) == "a.stl: is empty"
+
+
+STARTS = [(name, each.name) for name in commands() for each in options_of(name).values() if "--write-" in each.name]
+
+
+def test_every_option_that_starts_a_file_is_known() -> None:
+    assert {option for _, option in STARTS} == {
+        *("--write-rules", "--write-mechanism", "--write-catalogue", "--write-limits", "--write-times"),
+    }
+
+
+@pytest.mark.parametrize(("name", "option"), STARTS)
+def test_a_file_to_edit_is_started_once(
+    name: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A second start would take the edits of the first file."""
+    monkeypatch.chdir(tmp_path)
+    write_stl("a.stl", feeler.Tool(*box([0] * 3, [1] * 3)))
+    run(name, "a.stl", option, "x.toml")
+    edited = Path("x.toml").read_text() + "# mine"
+    Path("x.toml").write_text(edited)
+    said = error_of(name, "a.stl", option, "x.toml")
+    assert f"{option} x.toml: the file exists" in said and "give another name, or delete it" in said
+    assert Path("x.toml").read_text() == edited
+    assert "must not exist yet" in " ".join(run(name, "--help").stdout.replace("\u2502", "").split())

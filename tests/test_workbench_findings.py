@@ -281,6 +281,36 @@ def test_a_file_of_any_size_is_opened(tmp_path: Path) -> None:
             bench.session.job("findings_file", {"files": files, "name": "a.json"}).result(WAIT_S)
 
 
+def test_findings_of_parts_that_the_mockup_lacks_are_told() -> None:
+    """Excluded parts are known. Where no part is known, they are findings of another mock-up."""
+    bench = Bench(cube(), mockup=sunk(), absent=[LEFT])
+
+    def opened(*pairs: tuple[str, str]) -> list[str]:
+        rows = [{"a": a, "b": b, "depth": 1.0, "id": str(k)} for k, (a, b) in enumerate(pairs)]
+        files = sent(bench.session, json.dumps({"clashes": rows}).encode())
+        taken = bench.session.job("findings_file", {"files": files, "name": "a.json"}).result(WAIT_S)
+        assert bench.session.load_findings({"clashes": rows}) == "".join(taken["notes"])
+        return list(taken["notes"])
+
+    assert opened() == opened(PLATE_PEG) == opened(PLATE_LEFT) == opened((PATHS[LEFT], PATHS[LEFT])) == []
+    told = "1 of 2 findings name parts that this mock-up lacks, such as 'nope'"
+    assert opened(PLATE_PEG, (PATHS[PEG], "nope")) == [told]
+    assert opened((PATHS[PEG], "nope")) == [told.replace("1 of 2 findings name", "1 of 1 finding names")]
+    with pytest.raises(feeler.errors.LoadError, match=r"none of the parts .* \(0 of 2, such as 'nope'\)"):
+        opened(("nope", "no2"))
+    with pytest.raises(WorkbenchError, match="none of the parts"):
+        bench.command("findings_open", findings={"clashes": [{"a": "nope", "b": "no2", "depth": 1.0}]})
+
+
+def test_the_page_says_what_a_bcf_file_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Bench(cube(), mockup=sunk())
+    checked(bench)
+    assert bench.session.job("export_findings", {"format": "bcf"}).result(WAIT_S)["notes"] == []
+    monkeypatch.setattr("feeler.clashes.write_bcf", lambda path, *_args, **_more: path.write_bytes(b"x") and 0)
+    (note,) = bench.session.job("export_findings", {"format": "bcf"}).result(WAIT_S)["notes"]
+    assert note.startswith("clashes.bcf has the 0 worst of ")
+
+
 def test_files_of_findings(tmp_path: Path) -> None:
     bench = Bench(cube(), mockup=sunk())
     checked(bench)

@@ -121,6 +121,7 @@ def test_files_come_in_pieces_and_are_opened(openings: Openings, opened: Opened,
     [
         ([], "no file"),
         ([("a.exe", 1)], "no format"),
+        ([("a.FEELPROJ", 1)], "a.FEELPROJ is a project; start feeler view with it"),
         ([("a.stl.exe", 1)], "no format"),
         ([("stl", 1)], "no format"),
         ([("a.bin", 1)], "no format"),

@@ -312,6 +312,44 @@ def test_findings_are_opened_in_the_page(context: Any, stand: Path, tmp_path: Pa
         stepped_through(page)
 
 
+def test_the_focus_stays_on_the_selected_tab(context: Any, stand: Path) -> None:
+    """By arrows and by Alt with a digit, also from a tab that goes; from elsewhere the focus stays where it is."""
+    focused = "() => document.activeElement?.id"
+    with program(stand) as started:
+        page = opened(context, started)
+        page.get_by_role("tab", name="Pose").focus()
+        for key, tab in (
+            *(("Alt+3", "sections"), ("Alt+8", "task"), ("ArrowLeft", "findings"), ("Alt+7", "mechanism")),
+            *(("Alt+2", "ask"), ("ArrowRight", "sections")),
+        ):
+            page.keyboard.press(key)
+            page.locator(f"#tab-{tab}[aria-selected=true]").wait_for()
+            assert page.evaluate(focused) == f"tab-{tab}", key
+        page.locator("#picture").focus()
+        page.keyboard.press("Alt+4")
+        page.locator("#tab-measures[aria-selected=true]").wait_for()
+        assert page.evaluate(focused) == "picture"
+
+
+def test_what_the_page_cannot_open_is_told_as_what_it_is(context: Any, stand: Path, tmp_path: Path) -> None:
+    project, some, none = tmp_path / "work.feelproj", tmp_path / "some.json", tmp_path / "none.json"
+    project.write_bytes(b"SQLite format 3")
+    (clash, *_) = CLASHES["clashes"]
+    some.write_text(json.dumps({"clashes": [clash, {**clash, "id": "x", "b": "nope"}]}))
+    none.write_text(json.dumps({"clashes": [{**clash, "a": "no2", "b": "nope"}]}))
+    with program(stand) as started:
+        page = opened(context, started)
+        for file, told in (
+            (project, "work.feelproj is a project: start feeler view work.feelproj to open it"),
+            (none, "none of the parts in the findings exist in this mock-up"),
+            (some, "1 of 2 findings name parts that this mock-up lacks, such as 'nope'"),
+        ):
+            with page.expect_file_chooser() as chooser:
+                page.keyboard.press("Control+o")
+            chooser.value.set_files(file)
+            page.locator(".notice", has_text=told).wait_for()
+
+
 def test_a_tool_is_taken_and_given_back(context: Any, stand: Path, cube: Path) -> None:
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)

@@ -19,6 +19,7 @@ test("files that feeler reads are sent, with the files that they need", () => {
   assert.match(whyNot([], OPENS) ?? "", /No file/);
   assert.match(whyNot([file("a.bin")], OPENS) ?? "", /a\.bin is in no format/);
   assert.match(whyNot([file("a.stl"), file("b.exe")], OPENS) ?? "", /b\.exe is in no format.*\.stl, \.gltf/);
+  assert.match(whyNot([file("work.FEELPROJ")], OPENS) ?? "", /is a project: start feeler view work\.FEELPROJ/);
   assert.match(whyNot([file("stl")], OPENS) ?? "", /no format/);
   assert.match(whyNot([file("a.stl"), file("b.stl"), file("c.stl")], OPENS) ?? "", /3 files are more than 2/);
   assert.match(whyNot([file("a.stl", 60), file("b.stl", 60)], OPENS) ?? "", /too large/);

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from feeler.clashes.pictures import View
 
 MOST_TOPICS = 100
-"""Most topics in a file, one for each of the worst groups. Nobody reads thousands."""
+"""Most topics in a file. Nobody reads thousands."""
 MOST_LINES = 50
 """Most findings that the description of a topic lists."""
 MOST_COMMENT_TEXT = 1_000_000
@@ -41,6 +41,7 @@ MOST_FURTHER_TEXT = 2_000_000
 """Most characters of the ids of findings that the description of a topic leaves out: some 30,000 findings."""
 
 _STATUSES = ("new", "active", "reviewed", "approved")
+_DECIDED = ("reviewed", "approved")
 _COLOURS = ("4580CC", "FF850D")  # of the first and the second part, as in the picture
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time that a zip can store: equal findings give equal bytes
 _LONGEST_TITLE = 250
@@ -60,10 +61,12 @@ def write_bcf(
     when: datetime.datetime | None = None,
     progress: Progress | None = None,
 ) -> int:
-    """Writes a topic for each of the `most` worst groups, with a viewpoint and a picture. Returns the number of topics.
+    """Writes a topic for each group, with a viewpoint and a picture. Returns the number of topics.
 
-    The viewpoint and the picture show the worst finding of the group. The description lists the 50 worst findings, and
-    a comment the ids of some 30,000 more. `AuthoringToolId` holds the path of a part. A finding with a note, or with
+    If there are more than `most` groups, those with decisions are kept first, whatever their rank: a finding that is
+    reviewed or approved, has a note, or names who set its status. Then the worst are kept. The others are left out. The
+    viewpoint and the picture show the worst finding of the group. The description lists the 50 worst findings, and a
+    comment the ids of some 30,000 more. `AuthoringToolId` holds the path of a part. A finding with a note, or with
     another status than its topic, has a comment, which `apply_bcf` reads back. by: how to group, as in
     `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`, and `OptionError` if
     the clashes are of another mock-up or `most` is less than 1.
@@ -79,7 +82,7 @@ def write_bcf(
     check_same(mockup, clashes)
     author = _named(author, SYSTEM)
     date = (when or datetime.datetime.now(datetime.timezone.utc)).isoformat(timespec="seconds")
-    groups = clashes.groups(by)[:most]
+    groups = _chosen(clashes.groups(by), most)
     pictures = Pictures(mockup)
     files = {
         "bcf.version": _xml(_element("Version", {"VersionId": "3.0"})),
@@ -99,6 +102,32 @@ def write_bcf(
             kind = zipfile.ZIP_STORED if name.endswith(".png") else zipfile.ZIP_DEFLATED
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, kind)
     return len(groups)
+
+
+def left_out(clashes: Clashes, by: GroupBy, topics: int) -> str:
+    """How a file with so many topics falls short of all groups: "has the 100 worst of 120 groups". Else empty."""
+    groups = clashes.groups(by)
+    if topics >= len(groups):
+        return ""
+    decided = sum(map(_is_decided, groups))
+    if not decided:
+        return f"has the {topics:,} worst of {len(groups):,} groups"
+    said = f"has {topics:,} of {len(groups):,} groups"
+    if decided > topics:
+        return f"{said}, the worst of {decided:,} with decisions"
+    return f"{said}: {decided:,} with decisions, and the worst of the others"
+
+
+def _chosen(groups: list[Group], most: int) -> list[Group]:
+    """The groups of a file, the worst first: those with decisions before others."""
+    ranks = sorted(range(len(groups)), key=lambda rank: (not _is_decided(groups[rank]), rank))
+    return [groups[rank] for rank in sorted(ranks[:most])]
+
+
+def _is_decided(group: Group) -> bool:
+    """Whether somebody decided about one of its findings. `diff` makes findings active, so that this alone is none."""
+    marks = map(group.clashes.marks.of, group.clashes.ids)
+    return any(mark.status in _DECIDED or mark.by or mark.note for mark in marks)
 
 
 Element = ElementTree.Element

@@ -75,7 +75,11 @@ def access(
         ),
     ] = None,
     write_catalogue: Annotated[
-        Path | None, typer.Option("--write-catalogue", help="Write the built-in catalogue, to be changed, and stop.")
+        Path | None,
+        typer.Option(
+            "--write-catalogue",
+            help="Write the built-in catalogue, to be changed, and stop. The file must not exist yet.",
+        ),
     ] = None,
     targets: Annotated[
         list[str] | None,

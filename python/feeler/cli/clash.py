@@ -74,7 +74,8 @@ def clash(
     ] = 0.0,
     rules: Annotated[Path | None, typer.Option(help="Limits by pairs of parts, and pairs to hide (TOML).")] = None,
     write_rules: Annotated[
-        Path | None, typer.Option("--write-rules", help="Write a first file of rules from the findings.")
+        Path | None,
+        typer.Option("--write-rules", help="Write a first file of rules from the findings. It must not exist yet."),
     ] = None,
     previous: Annotated[
         Path | None,
@@ -123,7 +124,10 @@ def clash(
     html: Annotated[
         Path | None, typer.Option(help="Write one page with pictures and filters; it needs no network.")
     ] = None,
-    bcf: Annotated[Path | None, typer.Option(help="Write a BCF 3.0 topic for each of the worst groups.")] = None,
+    bcf: Annotated[
+        Path | None,
+        typer.Option(help="Write BCF 3.0: a topic for each group, at most 100, those with decisions first."),
+    ] = None,
     glb: Annotated[Path | None, typer.Option(help="Write the mock-up with coloured findings as GLB.")] = None,
     bcf_in: Annotated[
         Path | None, typer.Option("--bcf-in", help="Take over statuses and comments of topics from this BCF file.")
@@ -322,6 +326,8 @@ def _write(
 ) -> dict[str, str]:
     """Writes the requested files; returns their names by kind."""
     from feeler import clashes as room
+    from feeler.clashes.as_bcf import left_out
+    from feeler.cli.outputs import warn
 
     topics = 0
     written = {}
@@ -346,10 +352,8 @@ def _write(
             else:
                 room.write_rules(target, found)
         written[kind] = str(target)
-    if "bcf" in written and topics < len(found.groups(by)):
-        from feeler.cli.outputs import warn
-
-        warn(f"{written['bcf']} has the {topics:,} worst of {len(found.groups(by)):,} groups")
+    if "bcf" in written and (short := left_out(found, by, topics)):
+        warn(f"{written['bcf']} {short}")
     return written
 
 

@@ -64,7 +64,10 @@ def move(
         list[Path] | None, typer.Option(help="A folder with packages that a robot's meshes are in.")
     ] = None,
     write_mechanism: Annotated[
-        Path | None, typer.Option(help="Write a file of joints, and end: those of --child, or one to fill in.")
+        Path | None,
+        typer.Option(
+            help="Write a new file of joints, and end: those of --child, or one to fill in. It must not exist yet."
+        ),
     ] = None,
     child: Annotated[
         list[str] | None,

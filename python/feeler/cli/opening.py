@@ -58,7 +58,8 @@ def opening(
     ] = False,
     limits: Annotated[Path | None, typer.Option(help="The least openings, for hands and arms (TOML).")] = None,
     write_limits: Annotated[
-        Path | None, typer.Option("--write-limits", help="Write a file of limits to be filled in, and stop.")
+        Path | None,
+        typer.Option("--write-limits", help="Write a file of limits to be filled in, and stop. It must not exist yet."),
     ] = None,
     without: Without = None,
     only: Only = None,

@@ -86,6 +86,7 @@ def check_targets(
 ) -> None:
     """Checks that each output has one of its endings, can be written, and is none of the inputs or other outputs.
 
+    Options `write-...` start files for people to edit, so their files must not exist yet.
     inputs: files, or folders whose files are all read. Raises `OptionError`, `WriteError`.
     """
     from feeler.errors import WriteError
@@ -105,6 +106,10 @@ def check_targets(
             raise WriteError(f"--{option}: {error}") from None
         if any(_is_in(target, each) for each in read):
             raise OptionError(f"--{option} {target}: it is read by this command; give another name")
+        if option.startswith("write-") and target.exists():
+            raise OptionError(
+                f"--{option} {target}: the file exists, and edits in it would be lost; give another name, or delete it"
+            )
         first = taken.setdefault(target.resolve(), option)
         if first != option:
             raise OptionError(f"--{first} and --{option} both write {target}: give each a name of its own")

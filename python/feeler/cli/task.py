@@ -85,7 +85,8 @@ def task(
         Path | None, typer.Option(help="Times of the elements of a step (TOML). Default: figures that are examples.")
     ] = None,
     write_times: Annotated[
-        Path | None, typer.Option(help="Write a file of times to fill in, with the examples, and end.")
+        Path | None,
+        typer.Option(help="Write a file of times to fill in, with the examples, and end. It must not exist yet."),
     ] = None,
     keep: Annotated[
         list[str] | None, typer.Option(metavar="PATTERN", help="Parts that must stay (repeat for more).")

@@ -430,7 +430,9 @@ class _Opening:
         session.open(world, scene, in_hand, tools=tools, name=name_of(self._sources), doubts=shown)
         self.on_opened()
         if self._findings is not None:
-            session.load_findings(self._findings)
+            doubt = session.load_findings(self._findings)
+            if doubt:
+                warn(f"--findings: {doubt}")
         joints, self.mechanism = self.mechanism, None
         if joints is not None:
             _begin_mechanism(session, *joints)

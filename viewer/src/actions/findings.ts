@@ -102,7 +102,11 @@ export const FORMATS: Readonly<Record<FindingFormat, string>> = {
 
 /** Lets the server write the findings, and downloads the file. */
 export async function exportFindings(wb: Workbench, format: FindingFormat): Promise<void> {
-  await downloaded(wb, wb.job("export_findings", { format }, `Export: ${FORMATS[format]}`));
+  const job = wb.job("export_findings", { format }, `Export: ${FORMATS[format]}`);
+  await downloaded(wb, job);
+  // `downloaded` has told why it failed.
+  const notes = (await job?.result.catch(() => null))?.notes ?? [];
+  for (const note of notes) wb.store.notify("warning", note);
 }
 
 /** Downloads the file that a job writes. */

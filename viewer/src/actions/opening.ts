@@ -11,10 +11,15 @@ import type { Workbench } from "./workbench";
 /** The suffix of a name, in lower case: ".stl". */
 export const suffixOf = (name: string): string => /\.[^./\\]+$/.exec(name)?.[0].toLowerCase() ?? "";
 
+/** The suffix of projects, which the command opens: a page cannot name the file that is to be saved. */
+const PROJECT = ".feelproj";
+
 /** Why these files cannot be opened, in a sentence; null: they can. */
 export function whyNot(files: readonly Pick<File, "name" | "size">[], opens: Opens): string | null {
   const [first] = files;
   if (!first) return "No file was chosen.";
+  const project = files.find((file) => suffixOf(file.name) === PROJECT);
+  if (project) return `${project.name} is a project: start feeler view ${project.name} to open it.`;
   const known = new Set([...opens.formats, ...opens.companions]);
   const other = files.find((file) => !known.has(suffixOf(file.name)));
   const isMesh = files.some((file) => opens.formats.includes(suffixOf(file.name)));

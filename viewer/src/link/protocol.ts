@@ -477,6 +477,12 @@ export interface Written {
   readonly bytes: number;
 }
 
+/** A file of findings or rules. */
+export interface WrittenFindings extends Written {
+  /** How the file falls short, for people. */
+  readonly notes: readonly string[];
+}
+
 /** One HTML file with the mock-up inside. */
 export interface WrittenPage extends Written {
   /** Triangles that did not fit. */
@@ -1620,7 +1626,7 @@ export interface Jobs {
   /** Writes the requirements as TOML, for `feeler verify`. */
   readonly export_requirements: { readonly args: Record<string, never>; readonly answer: Written };
   /** Writes the findings with their statuses and notes, or the rules. */
-  readonly export_findings: { readonly args: { readonly format: FindingFormat }; readonly answer: Written };
+  readonly export_findings: { readonly args: { readonly format: FindingFormat }; readonly answer: WrittenFindings };
 }
 
 /** What is sent of a command: its name and its arguments. */

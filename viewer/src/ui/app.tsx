@@ -1,6 +1,6 @@
 // The page: a grid of bar, tree, picture, panels and status line.
 
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { hint } from "../actions/commands";
 import type { Workbench } from "../actions/workbench";
 import { PANELS, type Panel } from "../model/page-state";
@@ -147,8 +147,12 @@ function Panels() {
     event.stopPropagation();
     const next = shown[(shown.indexOf(current) + step + shown.length) % shown.length] ?? current;
     store.panel.value = next;
-    document.getElementById(`tab-${next}`)?.focus();
   };
+  // The focus stays on the selected tab, however it was selected. Asked before the focused tab may go.
+  const isTabFocused = document.activeElement?.getAttribute("role") === "tab";
+  useLayoutEffect(() => {
+    if (isTabFocused) document.getElementById(`tab-${current}`)?.focus();
+  }, [current]);
   return (
     <aside id="panels" class="panels" aria-label="Panels">
       <div class="tabs" role="tablist" aria-label="Panels" onKeyDown={go}>

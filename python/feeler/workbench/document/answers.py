@@ -108,6 +108,13 @@ class Written(TypedDict):
     bytes: int
 
 
+class WrittenFindings(Written):
+    """A file of findings or rules."""
+
+    notes: list[str]
+    """How the file falls short, for people."""
+
+
 class WrittenPage(Written):
     """One HTML file with the mock-up inside."""
 

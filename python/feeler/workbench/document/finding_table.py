@@ -302,6 +302,12 @@ def table_of(data: Any, parts: Parts, absent: Collection[int] = (), where: str =
     return reader.table(data)
 
 
+def lacking(table: FindingTable, parts: Parts) -> list[int]:
+    """Rows of `table.paths` that are no part of the mock-up, not even one that was left out of the scene."""
+    reader = _Reader(parts, ())
+    return [row for row in np.flatnonzero(table.part_of_path < 0).tolist() if reader.part(table.paths[row]) < 0]
+
+
 def table_of_clashes(clashes: Clashes, mockup: Mockup, absent: Collection[int] = ()) -> FindingTable:
     """The table of a check of this mock-up."""
     c = clashes.columns
@@ -448,7 +454,7 @@ class _Reader:
         read = FindingTable(
             ids=tuple(ids[row] for row in order),
             paths=tuple(self._paths.numbers),
-            part_of_path=np.array([self._part(path) for path in self._paths.numbers], np.int32),
+            part_of_path=np.array([self.part(path) for path in self._paths.numbers], np.int32),
             verdicts=tuple(self._verdicts.numbers),
             rules=tuple(self._rules.numbers),
             groups=tuple(self._groups.numbers),
@@ -460,7 +466,8 @@ class _Reader:
         )
         return _canonical(read)
 
-    def _part(self, path: str) -> int:
+    def part(self, path: str) -> int:
+        """The number of a part in the scene, or -1."""
         part = self._key.get(path)
         if part is None:
             # Not by patterns or attributes: a path of another file is none of these.

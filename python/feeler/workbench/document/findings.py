@@ -8,6 +8,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from feeler.clashes import Clashes
 from feeler.clashes.tracking import mark_json, mark_of_json
 from feeler.errors import LoadError, MissingFileError
@@ -15,7 +17,7 @@ from feeler.io.text import decoded, text_of
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.workbench.document.document import Check, Findings, OwnGroup
-from feeler.workbench.document.finding_table import clashes_in, table_of, table_of_clashes
+from feeler.workbench.document.finding_table import clashes_in, lacking, table_of, table_of_clashes
 from feeler.workbench.document.patient_json import patient_loads
 
 
@@ -48,8 +50,28 @@ def _parsed(text: str, name: str) -> Any:
 
 
 def findings_of(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
-    """Findings in JSON, for the document. Raises `LoadError` if there are none at all."""
-    return Findings(table_of(data, parts, absent))
+    """Findings in JSON, for the document. Raises `LoadError` if there is no list, or if no part of it is known."""
+    table = table_of(data, parts, absent)
+    lacked = lacking(table, parts)
+    if lacked and len(lacked) == len(table.paths):
+        raise LoadError(
+            f"none of the parts in the findings exist in this mock-up (0 of {len(lacked):,}, such as "
+            f"{table.paths[lacked[0]]!r}). Give the findings of this mock-up. If parts were renamed, feeler clash "
+            "--previous takes the findings over"
+        )
+    return Findings(table)
+
+
+def doubt_of(found: Findings, parts: Parts) -> str:
+    """How many findings name parts that the mock-up lacks, in words; empty if none does."""
+    table = found.table
+    lacked = lacking(table, parts)
+    count = int((np.isin(table.a, lacked) | np.isin(table.b, lacked)).sum())
+    if not count:
+        return ""
+    name = table.paths[lacked[0]]
+    some = "finding names" if len(table) == 1 else "findings name"
+    return f"{count:,} of {len(table):,} {some} parts that this mock-up lacks, such as {name!r}"
 
 
 def findings_of_clashes(clashes: Clashes, mockup: Mockup, absent: Collection[int] = ()) -> Findings:

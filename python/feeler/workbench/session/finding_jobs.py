@@ -13,13 +13,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from feeler import clashes as room
 from feeler.clashes import Clashes, Rules
 from feeler.clashes.advice import advice
+from feeler.clashes.as_bcf import left_out
 from feeler.clashes.bcf_in import topics_in
 from feeler.clashes.limits import unmatched
 from feeler.clashes.tracking import NEW, Mark
@@ -29,7 +30,7 @@ from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.words import plural
 from feeler.workbench.document import finding_rules, findings
-from feeler.workbench.document.answers import Written
+from feeler.workbench.document.answers import WrittenFindings
 from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.document import Check, Document, Findings
 from feeler.workbench.document.finding_table import STATUS, FindingTable
@@ -44,6 +45,8 @@ _FORMATS = ("json", "csv", "xlsx", "html", "bcf", "rules")
 _NAMES = {"rules": "clash-rules.toml", "bcf": "clashes.bcf"}
 _READ = 0.5  # share of the progress of a job that reads a file
 _CHECKED = 0.98  # and of one that checks
+_Writer = Callable[[Findings, Mockup, Progress], tuple[bytes, str]]
+"""Gives the bytes of a file, and how it falls short; empty if it does not."""
 
 
 class FindingPlace(Protocol):
@@ -129,8 +132,9 @@ def findings_file(place: FindingPlace, given: Arguments, progress: Progress) -> 
     data = findings.parsed_findings(place.files.read(given.whole("files")), given.text("name"))
     progress(_READ, "reading")
     found = findings.findings_of(data, place.scene.mockup.parts, place.document.absent)
+    doubt = findings.doubt_of(found, place.scene.mockup.parts)
     progress(1.0, "done")
-    return _taken(place, found, 0, [])
+    return _taken(place, found, 0, [doubt] if doubt else [])
 
 
 def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
@@ -162,10 +166,11 @@ def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> T
     return {"key": key, "count": len({*status, *notes}), "gone": 0, "notes": said}
 
 
-def export_findings(place: FindingPlace, given: Arguments, progress: Progress) -> Written:
+def export_findings(place: FindingPlace, given: Arguments, progress: Progress) -> WrittenFindings:
     """Writes the findings with their statuses and notes, or the rules."""
     kind = given.choice("format", _FORMATS)
     name = _NAMES.get(kind, f"findings.{kind}")
+    notes: list[str] = []
     progress(0.0, "writing")
     if kind == "rules":
         data = place.document.clash.rules.encode()
@@ -175,9 +180,10 @@ def export_findings(place: FindingPlace, given: Arguments, progress: Progress) -
         found = place.document.findings
         if found is None:
             raise WorkbenchError("there are no findings", given.command, "check clashes first")
-        data = _WRITERS[kind](found, _mockup_of(place, found), progress)
+        data, short = _WRITERS[kind](found, _mockup_of(place, found), progress)
+        notes = [f"{name} {short}"] if short else []
     place.exports[name] = data
-    return {"name": name, "bytes": len(data)}
+    return {"name": name, "bytes": len(data), "notes": notes}
 
 
 def finding_alike(place: FindingPlace, given: Arguments) -> Alike:
@@ -285,12 +291,12 @@ def _mockup_of(place: FindingPlace, found: Findings) -> Mockup:
     return with_places(place.scene.mockup, moved, place.meshes) if moved else place.scene.mockup
 
 
-def _as_json(found: Findings, mockup: Mockup, _progress: Progress) -> bytes:
+def _as_json(found: Findings, mockup: Mockup, _progress: Progress) -> tuple[bytes, str]:
     """As `feeler clash --json` writes them, where all are of this mock-up; else as they were read."""
     clashes = found.table.clashes(mockup, found.status, found.notes)
     if len(clashes) == len(found.table) and set(clashes.ids) == set(found.table.ids):
-        return dumps(room.report(clashes)).encode()
-    return dumps(marked(found.table, found).to_json()).encode()
+        return dumps(room.report(clashes)).encode(), ""
+    return dumps(marked(found.table, found).to_json()).encode(), ""
 
 
 def marked(table: FindingTable, found: Findings) -> FindingTable:
@@ -304,23 +310,28 @@ def marked(table: FindingTable, found: Findings) -> FindingTable:
     return replace(table, status=status, marks=MappingProxyType(marks))
 
 
-def _written(suffix: str, write: Callable[[Path, Clashes, Mockup, Progress], object]) -> Any:
-    """A writer of files as a function that gives bytes."""
+def _written(suffix: str, write: Callable[[Path, Clashes, Mockup, Progress], object]) -> _Writer:
+    """A writer of files as a function that gives bytes, and what people should know, if it says so."""
 
-    def made(found: Findings, mockup: Mockup, progress: Progress) -> bytes:
+    def made(found: Findings, mockup: Mockup, progress: Progress) -> tuple[bytes, str]:
         clashes = found.table.clashes(mockup, found.status, found.notes)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"findings{suffix}"
-            write(path, clashes, mockup, progress)
-            return path.read_bytes()
+            said = write(path, clashes, mockup, progress)
+            return path.read_bytes(), said if isinstance(said, str) else ""
 
     return made
 
 
-_WRITERS: dict[str, Callable[[Findings, Mockup, Progress], bytes]] = {
+def _bcf(path: Path, found: Clashes, mockup: Mockup, progress: Progress) -> str:
+    """Writes BCF; says what is left out."""
+    return left_out(found, "part", room.write_bcf(path, found, mockup, progress=progress))
+
+
+_WRITERS: dict[str, _Writer] = {
     "json": _as_json,
     "csv": _written(".csv", lambda path, found, _mockup, _said: room.write_csv(path, found)),
     "xlsx": _written(".xlsx", lambda path, found, mockup, said: room.write_xlsx(path, found, mockup, progress=said)),
     "html": _written(".html", lambda path, found, mockup, said: room.write_html(path, found, mockup, progress=said)),
-    "bcf": _written(".bcf", lambda path, found, mockup, said: room.write_bcf(path, found, mockup, progress=said)),
+    "bcf": _written(".bcf", _bcf),
 }

@@ -15,6 +15,7 @@ import numpy as np
 
 from feeler.errors import WorkbenchError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS
+from feeler.project.layout import SUFFIX as PROJECT
 from feeler.workbench.document.openings import FilePiece, SendFiles
 
 SAVED = ".feeler"
@@ -186,6 +187,8 @@ def _checked(name: str) -> str:
     if not 0 < size <= _MOST_NAME_BYTES or made.strip(". ") == "":
         raise WorkbenchError("the name of a file cannot be kept", "open", f"rename it: {name[:40]!r}")
     suffix = Path(made).suffix.lower()
+    if suffix == PROJECT:
+        raise WorkbenchError(f"{made} is a project", "open", "start feeler view with it")
     if suffix not in {*EXTENSIONS, *COMPANIONS, SAVED}:
         known = ", ".join([*EXTENSIONS, SAVED])
         raise WorkbenchError(f"{made} is in no format that feeler reads", "open", f"choose one of {known}")

@@ -31,7 +31,7 @@ from feeler.workbench.document.arguments import Arguments
 from feeler.workbench.document.cards import tasks_again, tasks_of, told
 from feeler.workbench.document.commands import COMMANDS, STEPS, applied
 from feeler.workbench.document.document import UNITS, Document, Loading, ProjectFacts, RecordFacts, patch
-from feeler.workbench.document.findings import findings_of, read_findings, saved
+from feeler.workbench.document.findings import doubt_of, findings_of, read_findings, saved
 from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
 from feeler.workbench.document.joint_commands import JOINTS
@@ -180,14 +180,16 @@ class Session:
         finally:
             self._is_warming = False
 
-    def load_findings(self, given: Any) -> None:
-        """Opens findings of `feeler clash --json`, a file or its content. Raises `LoadError`."""
+    def load_findings(self, given: Any) -> str:
+        """Opens findings of `feeler clash --json`, a file or its content; returns `doubt_of`. Raises `LoadError`."""
         data = read_findings(given) if isinstance(given, (str, Path)) else given
         with self._lock:
-            found = findings_of(data, self._opened().scene.mockup.parts, self._document.absent)
+            parts = self._opened().scene.mockup.parts
+            found = findings_of(data, parts, self._document.absent)
             # The user did not make this change: undo does not revert it.
             self._history.revise(lambda each: each if each.findings else replace(each, findings=found))
             self._show(replace(self._document, findings=found), None)
+        return doubt_of(found, parts)
 
     # ---- a record that is gone through again ----
 
