@@ -106,3 +106,43 @@ def test_a_view_takes_findings_and_poses_and_ends() -> None:
             view.findings_open({})
     with pytest.raises(feeler.WorkbenchError, match="the view is closed"):
         view.hide("plate")
+
+
+def test_answers_that_are_sequences_iterate_index_and_slice() -> None:
+    poses = [np.eye(4)] * 3
+    chain = feeler.Chain([feeler.Slide((0, 0, 1)), feeler.Slide((0, 1, 0))])
+    contacts = SCENE.contacts(TOOL, np.eye(4), within=1.0)
+    batches = [SCENE.collide_batch(TOOL, poses), SCENE.distance_batch(TOOL, poses), SCENE.clearance_batch(TOOL, poses)]
+    for answer in (chain, contacts, *batches):
+        items = [repr(each) for each in answer]
+        assert len(items) == len(answer) > 0
+        assert [repr(answer[np.int64(i)]) for i in range(len(answer))] == items == [repr(each) for each in answer[:]]
+        assert repr(answer[-1]) == items[-1]
+        for few in (slice(1, None), slice(None, None, -1), slice(5, 9), slice(0, 3, 2)):
+            assert [repr(each) for each in answer[few]] == items[few]
+        with pytest.raises(IndexError):
+            answer[len(answer)]
+        with pytest.raises(IndexError):
+            answer[-len(answer) - 1]
+        with pytest.raises(TypeError):
+            answer["x"]  # type: ignore[index]
+
+
+def test_a_cast_takes_a_motion_as_its_end() -> None:
+    start = np.eye(4)
+    start[2, 3] = 5.0
+    down = feeler.Slide((0, 0, -9))
+    for way in (down, feeler.Screw((1, 0, 0), (0, 0, -9), 3.0), feeler.Chain([down])):
+        assert repr(SCENE.cast(TOOL, start, way)) == repr(SCENE.cast(TOOL, start, screw=way))
+        with pytest.raises(feeler.OptionError, match="end is a motion, and screw another"):
+            SCENE.cast(TOOL, start, way, screw=way)
+
+
+def test_lengths_in_reprs_have_no_minus_zero_and_few_digits() -> None:
+    contacts = SCENE.contacts(TOOL, np.eye(4), within=1.0)
+    assert "least gap 0.0 m" in repr(contacts) and "gap 0.0 m" in repr(contacts[0])
+
+
+def test_a_limit_names_no_saturated_number() -> None:
+    with pytest.raises(feeler.LimitError, match=r"more than 2\^64 bytes"):
+        feeler.Scene(MOCKUP, voxel_size=1e-12)

@@ -27,7 +27,7 @@ from test_io_builders import (
     zipped,
 )
 
-from feeler import Mockup, OptionError
+from feeler import MissingFileError, Mockup, OptionError
 from feeler.io import KNOWN_UNITS, load_mockup, load_tool
 
 
@@ -671,3 +671,13 @@ def test_real_model(models, name):
         pytest.skip("not in this folder of models")
     mockup = load_mockup(models / name)
     assert (mockup.triangle_count, mockup.part_count) == REAL[name]
+
+
+def test_paths_are_echoed_as_they_were_given(tmp_path: Path) -> None:
+    with pytest.raises(MissingFileError, match=r"^http://x/y\.stl: feeler loads nothing from a network"):
+        load_mockup("http://x/y.stl")
+    with pytest.raises(OptionError, match=r"path is b'a\.stl': give the path of a file"):
+        load_mockup(b"a.stl")  # type: ignore[arg-type]
+    plain = tmp_path / "plain"
+    plain.write_bytes(stl_binary(SOUP))
+    assert "plain has no extension, but its content is STL: read as STL" in load_mockup(plain).source.doubts[0]

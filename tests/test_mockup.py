@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import json
+import pickle
+import re
 from typing import Any
 
 import numpy as np
@@ -277,3 +279,43 @@ def test_tools_have_names() -> None:
     assert feeler.Tool(CORNERS, FACES).name == "tool"
     assert "wrench" in repr(feeler.Tool(CORNERS, FACES, name="wrench"))
     assert "4 triangles" in repr(feeler.Mockup(CORNERS, FACES))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ("red", "is 'red'"),
+        ([[0, 0, 0]], "has shape (1, 3)"),
+        (np.zeros((2, 4)), "has shape (2, 4)"),
+        (np.zeros((2, 3), complex), "is array"),
+        ([["a", "b", "c"]] * 2, "is [["),
+        (np.array([[0, 0, 0], [255, 0, 0]], np.uint8), "[1] is [255.0, 0.0, 0.0]: "),
+        ([[0, 0, 0], [0, -0.1, 0]], "[1] is [0.0, -0.1, 0.0]"),
+        ([[0, np.nan, 0], [0, 0, 0]], "[0] is [0.0, nan, 0.0]"),
+    ],
+)
+def test_colours_are_checked_where_they_are_set(wrong: Any, said: str) -> None:
+    mesh = (np.eye(3), [[0, 1, 2]] * 2)
+    for made in (feeler.Mockup(*mesh, [0, 1]), feeler.Tool(*mesh, part_of_face=[0, 1])):
+        with pytest.raises(feeler.MeshError, match=re.escape(f"part_colours{said if said[0] == '[' else f' {said}'}")):
+            made.part_colours = wrong
+        assert made.part_colours is None
+
+
+def test_colours_are_kept_as_a_read_only_copy() -> None:
+    mockup = feeler.Mockup(np.eye(3), [[0, 1, 2]] * 2, [0, 1])
+    mockup.part_colours = [[1, 0, 0], [np.nan] * 3]
+    for colours in (mockup.part_colours, pickle.loads(pickle.dumps(mockup)).part_colours):
+        assert np.array_equal(colours, [[1.0, 0.0, 0.0], [np.nan] * 3], equal_nan=True)
+        with pytest.raises(ValueError, match="read-only"):
+            colours[0] = 255.0
+    mockup.part_colours = None
+    assert mockup.part_colours is None
+
+
+def test_all_arrays_of_a_mesh_are_read_only() -> None:
+    mesh = (np.eye(3), [[0, 1, 2]])
+    for made in (feeler.Mockup(*mesh), feeler.Tool(*mesh)):
+        arrays = {name: each for name in dir(made) if isinstance(each := getattr(made, name), np.ndarray)}
+        assert {"vertices", "faces", "part_of_face", "bounds", "part_bounds", "part_triangles"} <= set(arrays)
+        assert [name for name, array in arrays.items() if array.flags.writeable] == []

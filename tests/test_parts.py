@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -92,7 +92,8 @@ def tool() -> feeler.Tool:
         ((name for name in ["x"]), [7]),
         ([], []),
         (np.array([], dtype=np.int64), []),
-        ([True] + [False] * 7, None),
+        ([True] + [False] * 7, [0]),
+        ([True] * 3, None),
         (np.array([True] + [False] * 6 + [True]), [0, 7]),
         (np.array([True]), None),
         (8, None),
@@ -369,3 +370,43 @@ def test_defects_and_empty_parts_may_be_out() -> None:
         assert scene.without(gone).is_colliding(probe, at(0.2)) == hits
     for kept in ("empty", "bad"):
         assert scene.only(kept).is_free(probe, at(0.2))
+
+
+class Column:
+    """A column of booleans of a table, as pandas has it: of objects where it may have gaps."""
+
+    def __init__(self, entries: list[Any], dtype: type[Any]) -> None:
+        self.entries, self.dtype = entries, dtype
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
+        return np.array(self.entries, dtype=self.dtype)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.entries)
+
+
+def test_booleans_of_any_kind_are_a_mask() -> None:
+    mockup = mockup_of({name: cube((0, 0, 0), 1) for name in "abc"})
+    entries = [True, False, True]
+    masks = [np.array(entries), entries, tuple(entries), Column(entries, bool), Column(entries, object)]
+    for mask in masks:
+        assert mockup.parts.select(mask).tolist() == [0, 2]  # type: ignore[arg-type]
+        assert feeler.Scene(mockup).only(mask).part_mask.tolist() == entries  # type: ignore[arg-type]
+    for few in ([True], np.array([True]), Column([True], bool)):
+        with pytest.raises(feeler.OptionError, match=r"a mask of shape \(1,\) does not fit 3 parts"):
+            mockup.parts.select(few)  # type: ignore[arg-type]
+    for mixed in ([True, 1, 2], Column([True, None, False], object), True):
+        with pytest.raises(feeler.OptionError, match="True names no part: a mask is"):
+            mockup.parts.select(mixed)  # type: ignore[arg-type]
+    found = feeler.clash(mockup)
+    rows = [True] + [False] * (len(found) - 1)
+    assert found[rows].ids == found[np.array(rows)].ids == found[:1].ids
+    with pytest.raises(feeler.OptionError, match="a mask of shape"):
+        found[[True]]
+
+
+def test_a_part_of_another_mesh_with_its_name_is_refused() -> None:
+    block = cube((0, 0, 0), 1)
+    one, other = mockup_of({"a": block}), mockup_of({"a": joined(block, cube((5, 0, 0), 1))})
+    with pytest.raises(feeler.OptionError, match="of another mesh"):
+        one.parts.select(other.parts[0])

@@ -1,7 +1,7 @@
 """Motions of `feeler._core`, and what is found along them. Not a module: the stub of `feeler._core` imports it."""
 
-from collections.abc import Sequence
-from typing import final
+from collections.abc import Iterator, Sequence
+from typing import final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -79,6 +79,11 @@ class Chain:
         the start, stands still. First joints that both have in common drop out.
         """
     def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Screw | Slide]: ...
+    @overload
+    def __getitem__(self, index: int, /) -> Screw | Slide: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> tuple[Screw | Slide, ...]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 

@@ -1,7 +1,7 @@
 """Results and values of `feeler._core`. Not a module: the stub of `feeler._core` imports them."""
 
 from collections.abc import Callable, Iterator
-from typing import final
+from typing import final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -59,7 +59,10 @@ class Batch:
     def kind_codes(self) -> npt.NDArray[np.uint8]:
         """`(K,)`: the `PairKind.code` of each pair, one byte each; read-only."""
     def __len__(self) -> int: ...
+    @overload
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[npt.NDArray[np.uint32]]: ...
     def __iter__(self) -> Iterator[npt.NDArray[np.uint32]]: ...
 
 @final
@@ -120,7 +123,10 @@ class DistanceBatch:
     def tool_parts(self) -> npt.NDArray[np.int64]:
         """`(n,)`: indices into `tool.parts`."""
     def __len__(self) -> int: ...
+    @overload
     def __getitem__(self, index: int, /) -> Distance: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[Distance]: ...
     def __iter__(self) -> Iterator[Distance]: ...
 
 @final
@@ -179,7 +185,10 @@ class ClearanceBatch:
     def mockup_triangles(self) -> npt.NDArray[np.uint32]:
         """`(K,)`: triangles of the mock-up."""
     def __len__(self) -> int: ...
+    @overload
     def __getitem__(self, index: int, /) -> Clearance: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[Clearance]: ...
     def __iter__(self) -> Iterator[Clearance]: ...
 
 @final

@@ -6,7 +6,7 @@ import difflib
 import inspect
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -162,6 +162,18 @@ def check_array(what: str, value: object, shape: tuple[int | None, ...], *, is_f
     if is_finite and not np.isfinite(given).all():
         raise OptionError(f"{what} has a number that is not finite: give finite numbers, {wanted}")
     return given
+
+
+def mask_of(value: object) -> npt.NDArray[np.bool_] | None:
+    """Booleans as an array: those of an array, a list, or a column of a table; None for anything else."""
+    if hasattr(value, "__array__"):
+        array = np.asarray(value)
+        if array.dtype != object:
+            return array if array.dtype == bool else None
+        value = array.tolist()  # a column of pandas that may have gaps
+    if isinstance(value, (str, bytes)) or not isinstance(value, Sequence) or not len(value):
+        return None
+    return np.array(value) if all(isinstance(each, (bool, np.bool_)) for each in value) else None
 
 
 def check_ids(what: str, value: object, count: int) -> npt.NDArray[np.int64]:

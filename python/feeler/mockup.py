@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,7 +26,6 @@ from feeler.source import Source
 from feeler.travel import reduced
 from feeler.words import plural
 
-_NOTHING = re.compile(r"the tool has [\d,]+ triangles but none")
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
 """The most vertices of a piece for drawing: its indices have 16 bits."""
@@ -173,6 +171,24 @@ class _Attributed:
     def _name_parts(self, names: list[str], paths: list[str]) -> None:
         self.__dict__.update(part_names=names, part_paths=paths)
 
+    @property
+    def part_colours(self) -> npt.NDArray[np.float64] | None:
+        """Colours of the parts in pictures, GLB files and the workbench, `(parts, 3)` sRGB, 0 to 1; read-only.
+
+        A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones. You
+        can set it; raises `MeshError` for anything else.
+        """
+        own: npt.NDArray[np.float64] | None = self.__dict__.get("part_colours")
+        if own is None:
+            return None
+        colours: npt.NDArray[np.float64] = own.view()
+        colours.flags.writeable = False
+        return colours
+
+    @part_colours.setter
+    def part_colours(self, given: npt.ArrayLike | None) -> None:
+        self.__dict__["part_colours"] = None if given is None else _colours_of_parts(given, self.part_count)
+
     @cached_property
     def _part_attributes(self) -> Attributes | None:
         """Those of its file, unless others were given."""
@@ -223,11 +239,6 @@ class Mockup(_Attributed, _core.Mockup):
     """
 
     source: Source
-    part_colours: npt.NDArray[np.float64] | None = None
-    """Colours of the parts in pictures, GLB files and the workbench, (parts, 3) sRGB, 0 to 1.
-
-    A row of NaN is a part without a colour; None: no part has one. Parts without a colour get distinct ones.
-    """
     _modelled: Mockup | None = None
     """The mock-up with all parts where they are modelled, where this one has some moved (`Scene.moved`)."""
     _moves: tuple[list[int], npt.NDArray[np.float64]] | None = None
@@ -354,8 +365,6 @@ class Tool(_Attributed, _core.Tool):
 
     name: str
     source: Source
-    part_colours: npt.NDArray[np.float64] | None = None
-    """As in `Mockup`; `Tool.of_parts` keeps them."""
 
     def __new__(
         cls,
@@ -426,11 +435,9 @@ class Tool(_Attributed, _core.Tool):
         try:
             tool = cls(mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths)
         except MeshError as error:  # of a mesh, which the caller knows as parts
-            raise MeshError(f"{_first(paths)}: {_NOTHING.sub('no triangle', str(error), count=1)}") from None
+            raise MeshError(f"{_first(paths)}: {str(error).replace(' of the tool', '', 1)}") from None
         tool.source = mockup.source
-        colours = np.asarray(mockup.part_colours)
-        if colours.shape == (mockup.part_count, 3):
-            tool.part_colours = colours[chosen]
+        tool.part_colours = None if mockup.part_colours is None else mockup.part_colours[chosen]
         own = mockup._part_attributes
         tool._keep_attributes(None if own is None else tuple(own[part] for part in chosen))
         return tool
@@ -604,6 +611,27 @@ def _named_parts(
     if len(paths) != len(names):
         raise MeshError(f"part_paths has {len(paths)} entries but part_names has {len(names)}: give as many")
     return parts, list(names), list(paths)
+
+
+def _colours_of_parts(given: npt.ArrayLike, parts: int) -> npt.NDArray[np.float64]:
+    """A copy. Raises `MeshError` unless each of the parts has three levels from 0 to 1, or three NaN."""
+    give = f"give an array ({parts}, 3) of sRGB levels, 0 to 1, or None"
+    try:
+        array = np.asarray(given)
+        is_numbers = array.dtype.kind in "fiu"
+    except (TypeError, ValueError):
+        is_numbers = False
+    if not is_numbers:
+        raise MeshError(f"part_colours is {shown(given)}: {give}")
+    if array.shape != (parts, 3):
+        raise MeshError(f"part_colours has shape {array.shape}: {give}")
+    colours = np.array(array, dtype=np.float64)
+    is_fit = ((colours >= 0.0) & (colours <= 1.0)).all(axis=1) | np.isnan(colours).all(axis=1)
+    if not is_fit.all():
+        part = int(np.argmin(is_fit))
+        advice = "; divide levels up to 255 by 255" if (colours > 1.0).any() else ""
+        raise MeshError(f"part_colours[{part}] is {colours[part].tolist()}: {give}, NaN for no colour{advice}")
+    return colours
 
 
 def _part_ids(part_of_face: npt.ArrayLike, triangles: int) -> npt.NDArray[np.uint32]:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import attributes as attributes_of
-from feeler.arguments import check_text, shown
+from feeler.arguments import check_text, mask_of, shown
 from feeler.attributes import Attributes
 from feeler.errors import OptionError
 from feeler.field_docs import documented
@@ -112,14 +112,15 @@ class Parts(Sequence[Part]):
         `parts` is an index; a `Part`; a path or name, which includes everything below that path; a case-sensitive
         pattern with `*`, `?` or `[...]` that matches a whole path or name (`*` also matches `/`); a search of
         attributes such as `material:steel` (see `search`); or several of these. What is a path, a name or a pattern of
-        one is no search. A boolean array with an entry for each part is a mask. Raises `OptionError` for parts that do
-        not exist, with the similar names.
+        one is no search. Booleans, an entry for each part, are a mask: an array, a list, a column of pandas or polars.
+        Raises `OptionError` for parts that do not exist, with the similar names.
         """
-        if isinstance(parts, np.ndarray) and parts.dtype == bool:
-            if parts.shape != (len(self),):
-                raise OptionError(f"a mask of shape {parts.shape} does not fit {len(self)} parts: give one entry each")
-            return np.flatnonzero(parts).astype(np.uint32)
-        one = isinstance(parts, (str, bytes, Part, int, np.integer))
+        mask = mask_of(parts)
+        if mask is not None:
+            if mask.shape != (len(self),):
+                raise OptionError(f"a mask of shape {mask.shape} does not fit {len(self)} parts: give one entry each")
+            return np.flatnonzero(mask).astype(np.uint32)
+        one = isinstance(parts, (str, bytes, Part, int, np.integer, np.bool_))
         if not one and (not isinstance(parts, Iterable) or (isinstance(parts, np.ndarray) and not parts.ndim)):
             raise OptionError(f"{shown(parts)} names no part: give an index, a path or pattern, or several")
         found: set[int] = set()
@@ -130,13 +131,16 @@ class Parts(Sequence[Part]):
     def _selected(self, part: object) -> Iterable[int]:
         if isinstance(part, Part):
             i = part.index
-            if i >= len(self) or (part.name, part.path) != (self._names[i], self._paths[i]):
+            here = (self._names[i], self._paths[i], int(self._triangles[i])) if i < len(self) else None
+            if (part.name, part.path, part.triangles) != here:  # not its box, which moves
                 raise OptionError(f"part {i}, {part.path!r}, is of another mesh: give a part of this one, or its path")
             return [i]
         if isinstance(part, (int, np.integer)) and not isinstance(part, bool):
             if not 0 <= part < len(self):
                 raise OptionError(f"there is no part {part}: there are {len(self)}, 0 to {len(self) - 1}")
             return [int(part)]
+        if isinstance(part, (bool, np.bool_)):
+            raise OptionError(f"{part} names no part: a mask is a list or an array, True or False for each part")
         if not isinstance(part, str):
             raise OptionError(f"{shown(part)} names no part: give an index, a path or a pattern")
         called = self._called(part)

@@ -129,8 +129,7 @@ class Facts(NamedTuple):
 def extras(facts: Facts, stated: Attributes | None, parts: int) -> list[tuple[str, bytes]]:
     """The sections of the file that keep these facts, and the attributes of its parts.
 
-    Users can set names and colours to anything. Raises `MeshError` if there is not one text, or one colour, for each
-    part.
+    The lists of names can be changed by users. Raises `MeshError` if there is not one text for each part.
     """
     texts: tuple[tuple[str, object], ...] = (("part_names", facts.part_names), ("part_paths", facts.part_paths))
     for name, listed in texts:
@@ -140,16 +139,7 @@ def extras(facts: Facts, stated: Attributes | None, parts: int) -> list[tuple[st
     document = {"part_names": facts.part_names, "part_paths": paths, "source": asdict(facts.source)}
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
     if facts.colours is not None:
-        try:
-            is_complex = np.iscomplexobj(facts.colours)
-            colours = np.zeros(0) if is_complex else np.ascontiguousarray(facts.colours, dtype="<f8")
-        except (TypeError, ValueError):
-            colours = np.zeros(0)
-        if colours.shape != (parts, 3):
-            given: object = facts.colours
-            what = f"an array {given.shape}" if isinstance(given, np.ndarray) else shown(given)
-            raise MeshError(f"part_colours was set to {what}: give an array ({parts}, 3), or None")
-        sections.append((_COLOURS, colours.tobytes()))
+        sections.append((_COLOURS, np.ascontiguousarray(facts.colours, dtype="<f8").tobytes()))
     if stated is not None:
         sections.append((_ATTRIBUTES, attributes.to_bytes(stated)))
     return sections
@@ -172,6 +162,9 @@ def _facts(file: SavedFile) -> Facts:
         rows = None if colours is None else np.frombuffer(colours, dtype="<f8").reshape(-1, 3).astype(np.float64)
         if rows is not None and len(rows) != len(names):
             raise ValueError("colours of parts")
+        if rows is not None:  # earlier versions kept any numbers
+            rows[~np.isfinite(rows).all(axis=1)] = np.nan
+            rows = np.clip(rows, 0.0, 1.0)
         return Facts(names, paths, Source(**fields), rows)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LoadError(f"{file.path}: the scene cannot be opened: its {_DOCUMENT} is damaged ({error})") from None

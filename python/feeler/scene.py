@@ -427,9 +427,9 @@ class Scene(_core.Scene):
         """The least gap of the tool on its way from a pose `(4, 4)`, between bounds that are proven for all of the way.
 
         `way`: a `Screw`, `Slide` or `Chain`, or the pose at its end, to which it leads as in `cast`. The bounds are at
-        most `error` (metres) apart: the gap is nowhere less than `lower`, and at `share` it is `upper`; both are 0 if
-        they collide. A tool that goes far at nearly the same gap takes long: after a million spans the bounds are what
-        is known by then. Gaps beyond `within` (metres) are not looked at. Raises `OptionError` if `error` is not
+        most `error` (metres) apart: the gap is nowhere less than `lower`, and at `fraction` it is `upper`; both are 0
+        if they collide. A tool that goes far at nearly the same gap takes long: after a million spans the bounds are
+        what is known by then. Gaps beyond `within` (metres) are not looked at. Raises `OptionError` if `error` is not
         positive and finite, and if `within` is negative or NaN.
         """
         error = check_number("error", error, "metres, more than 0", above=0.0)
@@ -439,7 +439,7 @@ class Scene(_core.Scene):
         self,
         tool: _core.Tool,
         start: PoseLike,
-        end: PoseLike | None = None,
+        end: PoseLike | Screw | Slide | Chain | None = None,
         *,
         screw: Screw | Slide | Chain | None = None,
         tolerance: float = CAST_TOLERANCE,
@@ -447,6 +447,8 @@ class Scene(_core.Scene):
         ignore: Ignore = None,
     ) -> Cast | None:
         """The first impact between two poses `(4, 4)`, or along a `Screw`, `Slide` or `Chain`; None if it is free.
+
+        A `Screw`, `Slide` or `Chain` may be given as `end` or by name, as `screw`.
 
         Between poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round,
         both at constant speed. The impact is never late: nothing collides before it. It is early by at most `tolerance`
@@ -461,6 +463,10 @@ class Scene(_core.Scene):
         """
         tolerance = check_number("tolerance", tolerance, "metres, more than 0", above=0.0)
         check_word("touching", touching, TOUCHINGS)
+        if isinstance(end, (Screw, Slide, Chain)):
+            if screw is not None:
+                raise OptionError("end is a motion, and screw another: give one of them")
+            end, screw = None, end
         return super().cast(tool, start, end, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
     @overload

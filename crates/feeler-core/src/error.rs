@@ -142,7 +142,7 @@ pub enum Error {
         least: f64,
     },
     /// A structure that would need more memory than allowed.
-    #[error("{what} would need at least {needed} bytes but {allowed} are allowed: {advice}")]
+    #[error("{what} would need {} bytes but {allowed} are allowed: {advice}", at_least(*needed))]
     Memory {
         /// The data to allocate.
         what: &'static str,
@@ -239,13 +239,21 @@ pub enum Error {
     #[error("stopped on request")]
     Cancelled,
     /// A list structure with more entries than 32-bit offsets can address.
-    #[error("a voxel size of {voxel_size:?} m gives at least {entries} entries, more than 32-bit offsets hold: choose a larger one")]
+    #[error("a voxel size of {voxel_size:?} m gives {} entries, more than 32-bit offsets hold: choose a larger one", at_least(*entries))]
     TooManyEntries {
         /// The size, metres.
         voxel_size: f64,
         /// Entries needed.
         entries: u64,
     },
+}
+
+/// A bound from below; the largest number stands for all beyond it.
+fn at_least(count: u64) -> String {
+    if count == u64::MAX {
+        return "more than 2^64".into();
+    }
+    format!("at least {count}")
 }
 
 /// The core's result type.

@@ -7,8 +7,10 @@ use numpy::{
     Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyFixedUnicode, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::PyIterator;
+use pyo3::types::{PyIterator, PyList, PySlice};
+use pyo3::IntoPyObjectExt;
 
 use crate::errors::{raise, shape_text};
 
@@ -85,6 +87,12 @@ pub fn words<'py>(py: Python<'py>, kinds: &[PairKind]) -> Bound<'py, PyArray1<Wo
     array
 }
 
+/// An array that was just made, read-only.
+pub fn read_only<T, D>(array: Bound<'_, PyArray<T, D>>) -> Bound<'_, PyArray<T, D>> {
+    set_read_only(&array);
+    array
+}
+
 /// Of an array that was just made. By way of Python it would take eight times as long as all else here.
 fn set_read_only<T, D>(array: &Bound<'_, PyArray<T, D>>) {
     // SAFETY: the array is alive, and nobody else knows it yet.
@@ -100,6 +108,40 @@ pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, PyArra
         _ => pose.rotation()[i][j],
     };
     Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
+}
+
+/// What a sequence is indexed by.
+#[derive(FromPyObject)]
+pub enum Index<'py> {
+    /// One item, counted from the end where negative.
+    #[pyo3(annotation = "int")]
+    One(isize),
+    /// Several, as a list.
+    #[pyo3(annotation = "slice")]
+    Several(Bound<'py, PySlice>),
+}
+
+/// The item or the items of a sequence of `count`, each a `what`; `item` makes one of its place.
+pub fn at<'py, T: IntoPyObject<'py>>(
+    py: Python<'py>,
+    index: &Index<'py>,
+    (count, what): (usize, &str),
+    item: impl Fn(usize) -> PyResult<T>,
+) -> PyResult<Bound<'py, PyAny>> {
+    match index {
+        Index::One(index) => {
+            let place = if *index < 0 { index.checked_add_unsigned(count) } else { Some(*index) };
+            let place = place.and_then(|place| usize::try_from(place).ok()).filter(|place| *place < count);
+            let place = place.ok_or_else(|| PyIndexError::new_err(format!("{what} {index} of {count}")))?;
+            item(place)?.into_bound_py_any(py)
+        }
+        Index::Several(slice) => {
+            let chosen = slice.indices(count as isize)?;
+            let places = (0..chosen.slicelength as isize).map(|n| (chosen.start + n * chosen.step) as usize);
+            let items = places.map(|place| item(place)?.into_bound_py_any(py)).collect::<PyResult<Vec<_>>>()?;
+            Ok(PyList::new(py, items)?.into_any())
+        }
+    }
 }
 
 /// The items of a sequence by their numbers.

@@ -3,7 +3,7 @@
 use feeler_core as core;
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::{PyIterator, PyList, PyTuple};
 
 use crate::arguments::PoseArgument;
 use crate::arrays::pose_array;
@@ -129,6 +129,14 @@ impl Chain {
 
     fn __len__(&self) -> usize {
         self.core.joints().len()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.joints(py)?.try_iter()
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        self.joints(py)?.as_any().get_item(index)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

@@ -9,7 +9,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator, PyTuple};
 
-use crate::arrays::{codes, in_order, view, view_rows, words, Word};
+use crate::arrays::{at, codes, in_order, view, view_rows, words, Index, Word};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 use crate::words::counted;
@@ -221,16 +221,11 @@ impl Batch {
         in_order(slf)
     }
 
-    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let n = self.__len__() as isize;
-        let i = if index < 0 { index + n } else { index };
-        if !(0..n).contains(&i) {
-            return Err(pyo3::exceptions::PyIndexError::new_err(format!("pose {index} of {n}")));
-        }
-        let range = self.core.offsets[i as usize] as usize..self.core.offsets[i as usize + 1] as usize;
-        let rows = &self.core.pairs[range];
-        let array = Array2::from_shape_fn((rows.len(), 2), |(r, c)| rows[r][c]);
-        Ok(array.into_pyarray(py))
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        at(py, &index, (self.__len__(), "pose"), |i| {
+            let rows = &self.core.pairs[self.core.offsets[i] as usize..self.core.offsets[i + 1] as usize];
+            Ok(Array2::from_shape_fn((rows.len(), 2), |(r, c)| rows[r][c]).into_pyarray(py))
+        })
     }
 
     fn __repr__(&self) -> String {

@@ -7,20 +7,18 @@ use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use once_cell::race::OnceBox;
-use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyList, PyTuple};
 
 use crate::arguments::{PoseArgument, ToolArgument};
-use crate::arrays::pose_array;
-use crate::arrays::{view, view_blocks, view_rows};
+use crate::arrays::{at, pose_array, view, view_blocks, view_rows, Index};
 use crate::errors::to_py;
 use crate::scene::Scene;
 use crate::selection::Ignore;
 use crate::signals::stoppable;
 use crate::topology::find_topology;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
-use crate::words::counted;
+use crate::words::{counted, metres};
 
 /// Contact planes, deepest first; false when there are none. `contacts[i]` is one. All arrays are read-only.
 #[pyclass(frozen, module = "feeler._core")]
@@ -292,12 +290,9 @@ impl Contacts {
         !self.gaps.is_empty()
     }
 
-    fn __getitem__(slf: &Bound<'_, Self>, index: isize) -> PyResult<ContactPlane> {
-        let count = slf.get().gaps.len();
-        let plane = if index < 0 { index.checked_add_unsigned(count) } else { Some(index) };
-        let plane = plane.and_then(|i| usize::try_from(i).ok()).filter(|i| *i < count);
-        let plane = plane.ok_or_else(|| PyIndexError::new_err(format!("plane {index} of {count}")))?;
-        Ok(ContactPlane { contacts: slf.clone().unbind(), plane })
+    fn __getitem__<'py>(slf: &Bound<'py, Self>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let plane = |plane| Ok(ContactPlane { contacts: slf.clone().unbind(), plane });
+        at(slf.py(), &index, (slf.get().gaps.len(), "plane"), plane)
     }
 
     fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
@@ -308,7 +303,7 @@ impl Contacts {
 
     fn __repr__(&self) -> String {
         match self.gaps.first() {
-            Some(gap) => format!("Contacts({}, least gap {gap:.4e} m)", counted(self.gaps.len(), "plane")),
+            Some(gap) => format!("Contacts({}, least gap {})", counted(self.gaps.len(), "plane"), metres(*gap)),
             None => "Contacts(0 planes)".into(),
         }
     }
@@ -408,8 +403,8 @@ impl ContactPlane {
     }
 
     fn __repr__(&self) -> String {
-        let (gap, part, id) = (self.gap(), self.part(), self.id());
-        format!("ContactPlane(gap {gap:.4e} m, part {part}, id {id:#018x})")
+        let (gap, part, id) = (metres(self.gap()), self.part(), self.id());
+        format!("ContactPlane(gap {gap}, part {part}, id {id:#018x})")
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -487,7 +482,7 @@ impl Penetration {
     }
 
     fn __repr__(&self) -> String {
-        format!("Penetration({:.4e} m, {})", self.depth, self.kind())
+        format!("Penetration({}, {})", metres(self.depth), self.kind())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

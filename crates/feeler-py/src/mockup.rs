@@ -8,7 +8,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{rows, view_rows};
+use crate::arrays::{read_only, rows, view_rows};
 use crate::errors::to_py;
 use crate::packed::Packed;
 use crate::saved::SavedScene;
@@ -89,21 +89,19 @@ impl Mockup {
     #[getter]
     fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let faces = self.core.mesh().faces().len() as u32;
-        (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py)
+        read_only((0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py))
     }
 
     /// `(parts,)`: triangles of each part, defective ones included.
     #[getter]
     fn part_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.core.part_triangles().to_vec().into_pyarray(py)
+        read_only(self.core.part_triangles().to_vec().into_pyarray(py))
     }
 
     /// `(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty.
     #[getter]
     fn part_bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let corners: Vec<Vec<f64>> =
-            self.core.part_bounds().iter().flat_map(|b| [b.lower.to_vec(), b.upper.to_vec()]).collect();
-        Ok(PyArray2::from_vec2(py, &corners)?)
+        corners(py, self.core.part_bounds())
     }
 
     /// `(2, 3)`: lower and upper corner of the box around all queried triangles, metres.
@@ -136,8 +134,13 @@ impl Mockup {
 }
 
 pub(crate) fn bounds<'py>(py: Python<'py>, mesh: &core::Mesh) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let b = mesh.bounds();
-    Ok(PyArray2::from_vec2(py, &[b.lower.to_vec(), b.upper.to_vec()])?)
+    corners(py, &[mesh.bounds()])
+}
+
+/// The lower and the upper corner of each box, `(2 * boxes, 3)`, read-only.
+pub(crate) fn corners<'py>(py: Python<'py>, boxes: &[core::Aabb]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let corners: Vec<Vec<f64>> = boxes.iter().flat_map(|b| [b.lower.to_vec(), b.upper.to_vec()]).collect();
+    Ok(read_only(PyArray2::from_vec2(py, &corners)?))
 }
 
 pub(crate) fn defects<'py>(py: Python<'py>, mesh: &core::Mesh) -> PyResult<Bound<'py, PyDict>> {

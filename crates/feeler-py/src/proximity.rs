@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyTuple};
 
-use crate::arrays::in_order;
+use crate::arrays::{at, in_order, Index};
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 use crate::words::counted;
 
@@ -210,8 +210,8 @@ impl DistanceBatch {
         in_order(slf)
     }
 
-    fn __getitem__(&self, index: isize) -> PyResult<Distance> {
-        Ok(Distance::new(self.gaps[place(index, self.gaps.len())?]))
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        at(py, &index, (self.gaps.len(), "pose"), |i| Ok(Distance::new(self.gaps[i])))
     }
 
     fn __repr__(&self) -> String {
@@ -386,9 +386,9 @@ impl ClearanceBatch {
         in_order(slf)
     }
 
-    fn __getitem__(&self, index: isize) -> PyResult<Clearance> {
-        let i = place(index, self.__len__())?;
-        Ok(Clearance::new(self.all.gaps[self.offsets[i] as usize..self.offsets[i + 1] as usize].to_vec()))
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rows = |i: usize| self.offsets[i] as usize..self.offsets[i + 1] as usize;
+        at(py, &index, (self.__len__(), "pose"), |i| Ok(Clearance::new(self.all.gaps[rows(i)].to_vec())))
     }
 
     fn __repr__(&self) -> String {
@@ -399,13 +399,4 @@ impl ClearanceBatch {
         let (ids, numbers) = rows_for(py, &self.all.gaps);
         reduced(py, "ClearanceBatch", (self.offsets(py), ids, numbers))
     }
-}
-
-/// A place in a sequence, counted from the end where negative.
-fn place(index: isize, count: usize) -> PyResult<usize> {
-    let i = if index < 0 { index + count as isize } else { index };
-    if (0..count as isize).contains(&i) {
-        return Ok(i as usize);
-    }
-    Err(pyo3::exceptions::PyIndexError::new_err(format!("pose {index} of {count}")))
 }

@@ -7,9 +7,9 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{rows, view_rows};
+use crate::arrays::{read_only, rows, view_rows};
 use crate::errors::to_py;
-use crate::mockup::{bounds, defects};
+use crate::mockup::{bounds, corners, defects};
 use crate::packed::Packed;
 use crate::signals::on_pool_or_left;
 
@@ -57,7 +57,7 @@ impl Tool {
     #[getter]
     fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let faces = self.core.mesh().faces().len() as u32;
-        (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py)
+        read_only((0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py))
     }
 
     /// Parts, including those without triangles.
@@ -72,7 +72,7 @@ impl Tool {
         let mut counts = vec![0u32; self.core.parts()];
         let faces = self.core.mesh().faces().len() as u32;
         (0..faces).for_each(|f| counts[self.core.part_of_face(f) as usize] += 1);
-        counts.into_pyarray(py)
+        read_only(counts.into_pyarray(py))
     }
 
     /// `(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty.
@@ -83,8 +83,7 @@ impl Tool {
         for t in mesh.queried() {
             mesh.triangle(t).iter().for_each(|p| bounds[self.core.part_of_face(t) as usize].grow(p));
         }
-        let corners: Vec<Vec<f64>> = bounds.iter().flat_map(|b| [b.lower.to_vec(), b.upper.to_vec()]).collect();
-        Ok(PyArray2::from_vec2(py, &corners)?)
+        corners(py, &bounds)
     }
 
     /// `(2, 3)`: lower and upper corner of the box around all queried triangles, tool frame, metres.

@@ -148,8 +148,7 @@ def body_of(
     if pose is not None:
         matrix = nearest_rigid(one_pose(pose), QUERY_DEVIATION)
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    own = stated_colours(mesh, len(paths)) if colours is None else None
-    palette, colour_of_part = _palette(own if colours is None else colours, paths)
+    palette, colour_of_part = _palette(getattr(mesh, "part_colours", None) if colours is None else colours, paths)
     attributes = getattr(mesh, "_part_attributes", None)
     if attributes is not None and len(attributes) != len(paths):
         attributes = None
@@ -215,24 +214,6 @@ def _drawable(
             raise MeshError(f"no vertex is finite and below {_LARGEST_M:g} m: there is nothing to show")
         faces = np.where(bad[:, None], good[0], faces)
     return faces, part_of_face
-
-
-def stated_colours(mesh: Any, parts: int) -> FloatArray | None:
-    """The `part_colours` of a mesh, `(parts, 3)`, clipped to 0 to 1; NaN in a row: no colour. None: no part has one.
-
-    Raises `OptionError` for other values.
-    """
-    own = getattr(mesh, "part_colours", None)
-    if own is None:
-        return None
-    try:
-        table = np.array(own, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise OptionError(f"part_colours is not an array of numbers: set one row per part, ({parts}, 3)") from None
-    if table.shape != (parts, 3):
-        raise OptionError(f"part_colours has shape {table.shape}: set one row per part, ({parts}, 3)")
-    table[~np.isfinite(table).all(axis=1)] = np.nan
-    return np.clip(table, 0.0, 1.0)
 
 
 def _bytes(name: str) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from feeler.words import counted
 PathLike: TypeAlias = str | os.PathLike[str]
 
 _NAMES_SHOWN = 5
+_ADDRESS = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]+://")
 
 
 class Found(NamedTuple):
@@ -41,7 +43,7 @@ def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
 
     In a folder, hidden files and links to folders are skipped, and files of other kinds are listed in a note.
     """
-    if isinstance(paths, (str, os.PathLike)):
+    if isinstance(paths, (str, bytes, os.PathLike)):
         given = [_path(paths)]
     else:
         try:
@@ -66,7 +68,10 @@ def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
 def _path(path: object) -> Path:
     if isinstance(path, str) and not path:
         raise OptionError("path is empty: give the path of a file")
-    return check_path("path", path)
+    checked = check_path("path", path)
+    if isinstance(path, str) and _ADDRESS.match(path) and not checked.exists():
+        raise MissingFileError(f"{path}: feeler loads nothing from a network; save the file and give its path")
+    return checked
 
 
 def _add_folder(folder: Path, found: FileList) -> None:

@@ -86,8 +86,8 @@ def identify(path: Path) -> tuple[str, list[str]]:
     if found == "3MF" and named == "COLLADA":
         found = "COLLADA"  # in an archive, as 3MF always is
     if found and found != named:
-        kind = f"named {path.suffix}" if path.suffix else "has no extension"
-        return found, [f"{path.name} is {kind}, but its content is {found}: read as {found}"]
+        kind = f"is named {path.suffix}" if path.suffix else "has no extension"
+        return found, [f"{path.name} {kind}, but its content is {found}: read as {found}"]
     if named is None:
         raise LoadError(
             f"{path}: neither the extension nor the content is a format feeler reads "

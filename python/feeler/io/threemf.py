@@ -27,6 +27,7 @@ from feeler.io.threemf_package import Package
 from feeler.io.threemf_slicers import apply_settings
 from feeler.io.units import parse_unit
 from feeler.progress import Progress
+from feeler.words import plural
 
 _UNREACHED = "objects with triangles are reached from no item of the build and were left out"
 _TYPES = ("solidsupport", "support", "surface", "other")
@@ -47,7 +48,7 @@ def read_3mf(path: Path, progress: Progress | None = None) -> RawMesh:
         ) from error
     if not model.items:
         raise model.package.fail(
-            f"the build has no item (and the file {len(model.objects):,} objects): there is nothing to load"
+            f"the build has no item (and the file {plural(len(model.objects), 'object')}): there is nothing to load"
         )
     check_mesh(*_count(model), str(path))
     raw = _assemble(model)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_array, check_number, check_text, check_word, shown
+from feeler.arguments import check_array, check_number, check_text, check_word, mask_of, shown
 from feeler.choices import JointKindName
 from feeler.enumerations import CodedEnum
 from feeler.errors import OptionError
@@ -170,8 +170,9 @@ def _kept(parts: PartsLike) -> PartsLike:
         return parts
     if isinstance(parts, np.ndarray) and parts.ndim != 1:
         raise OptionError(f"{shown(parts)} names no part: give an index, a path or pattern, or several")
-    if isinstance(parts, np.ndarray) and parts.dtype == bool:
-        return tuple(int(i) for i in np.flatnonzero(parts))
+    mask = mask_of(parts)
+    if mask is not None:
+        return tuple(int(i) for i in np.flatnonzero(mask))
     return tuple(int(each) if isinstance(each, np.integer) else each for each in parts)
 
 

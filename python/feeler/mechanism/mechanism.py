@@ -26,6 +26,7 @@ from feeler.mockup import Mockup
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike
 from feeler.scene import Scene
+from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
@@ -53,7 +54,7 @@ class Mechanism:
         self._positions = Positions(mockup, joints, couplings, loops, scene, self._ignore)
 
     def __repr__(self) -> str:
-        return f"Mechanism({len(self.joints)} joints: {', '.join(joint.name for joint in self.joints)})"
+        return f"Mechanism({plural(len(self.joints), 'joint')}: {', '.join(joint.name for joint in self.joints)})"
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], mockup: Mockup, scene: Scene | None = None) -> Mechanism:

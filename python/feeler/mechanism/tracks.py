@@ -28,6 +28,7 @@ from feeler.parts import PartsLike
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 PathLike = str | os.PathLike[str]
@@ -87,7 +88,7 @@ class Tracks:
         self._meshes = PartMeshes(mockup)
 
     def __repr__(self) -> str:
-        return f"Tracks({self._name!r}, {self.start:g} to {self.end:g} s, {len(self.moving)} moving parts)"
+        return f"Tracks({self._name!r}, {self.start:g} to {self.end:g} s, {plural(len(self.moving), 'moving part')})"
 
     @property
     def mockup(self) -> Mockup:

@@ -21,6 +21,7 @@ from feeler.mockup import Tool
 from feeler.plan.tool_shapes import ToolShape, cores_of, fist, shape_of
 from feeler.plan.tool_solids import Solid
 from feeler.plan.tool_spec import HANDLES, HEADS, TOOL_KINDS, ToolSpec, suits
+from feeler.words import plural
 
 BUILT_IN = Path(__file__).with_name("catalogue.toml")
 JOINT = " + "
@@ -74,7 +75,7 @@ class Catalogue(Sequence[ToolSpec]):
         return hash((self._rows, self._hand))
 
     def __repr__(self) -> str:
-        return f"Catalogue({len(self):,} tools)"
+        return f"Catalogue({plural(len(self), 'tool')})"
 
     def where(self, *names: str) -> Catalogue:
         """The tools of some kinds or names: "socket", "ring", "extension 100*". Raises `OptionError` for none."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,7 @@ from feeler.progress import Progress
 from feeler.renamed import ALLOW, OldAttributes, keywords
 from feeler.scene import Scene
 from feeler.spreading import check_executor
+from feeler.words import plural
 
 TRY_SHARE = 0.05
 """An attempt with pushes and random trees takes at most this share of the time, or of the rounds, at first. A larger
@@ -80,11 +81,18 @@ class RemovalOrder(OldAttributes):
     def __len__(self) -> int:
         return len(self.steps)
 
+    @overload
+    def __getitem__(self, index: int) -> RemovalStep: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[RemovalStep, ...]: ...
+    def __getitem__(self, index: int | slice) -> RemovalStep | tuple[RemovalStep, ...]:
+        return self.steps[index]
+
     def __iter__(self) -> Iterator[RemovalStep]:
         return iter(self.steps)
 
     def __repr__(self) -> str:
-        said = f"{len(self.steps)} steps" if self.is_found else "not found"
+        said = plural(len(self.steps), "step") if self.is_found else "not found"
         return f"RemovalOrder({said})"
 
 

@@ -106,13 +106,13 @@ class Removal(OldAttributes):
 
     def __repr__(self) -> str:
         if self.is_found:
-            how = f"{len(self.legs)} legs, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
+            how = f"{plural(len(self.legs), 'leg')}, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
         elif self.held_by:
             how = "held by " + ", ".join(part.path for part in self.held_by[:3])
         else:
             how = "not found, blocked by " + (", ".join(b.path for b in self.blocked_by[:3]) or "nothing")
         method = f"{self.certificate.method}, " if self.is_found else ""
-        return f"Removal({how}; {method}{self.certificate.casts} casts, {self.seconds:.3g} s)"
+        return f"Removal({how}; {method}{plural(self.certificate.casts, 'cast')}, {self.seconds:.3g} s)"
 
 
 class RemovalInterrupted(KeyboardInterrupt):

@@ -20,6 +20,7 @@ from feeler.arguments import (
     check_progress,
     check_threads,
     check_whole,
+    mask_of,
 )
 from feeler.errors import MeshError, OptionError
 from feeler.field_docs import documented
@@ -173,7 +174,7 @@ def removals(
 def _entries(scene: Scene, parts: Sequence[PartsLike] | None) -> list[tuple[int, ...]]:
     if parts is None:
         return [(int(part),) for part in np.flatnonzero(scene.part_mask)]
-    if isinstance(parts, np.ndarray) and parts.dtype == bool:
+    if mask_of(parts) is not None:
         raise OptionError("parts is a mask: give np.flatnonzero(parts) for one entry each, or [parts] for all in one")
     given = check_list("parts", parts, "a list, each entry of which names parts that move together")
     entries = [tuple(int(part) for part in scene.mockup.parts.select(entry)) for entry in given]

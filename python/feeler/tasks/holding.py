@@ -27,6 +27,7 @@ from feeler.tasks.passing import SEAT, Passed, Windings, around, borne, in_bore,
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import thread_size
 from feeler.tasks.threaded_bodies import threaded_bodies
+from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
@@ -133,7 +134,7 @@ class Holds(OldAttributes, Sequence[Hold]):
         return iter(self._rows)
 
     def __repr__(self) -> str:
-        return f"Holds({len(self)} fasteners)"
+        return f"Holds({plural(len(self), 'fastener')})"
 
     def of(self, fastener: int) -> Hold | None:
         """What the fastener of a part holds; None if the part is none."""

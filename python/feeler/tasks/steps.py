@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -129,6 +129,13 @@ class TaskFacts:
 
     def __len__(self) -> int:
         return len(self.steps)
+
+    @overload
+    def __getitem__(self, index: int) -> TaskStep: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[TaskStep, ...]: ...
+    def __getitem__(self, index: int | slice) -> TaskStep | tuple[TaskStep, ...]:
+        return self.steps[index]
 
     def __iter__(self) -> Iterator[TaskStep]:
         return iter(self.steps)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Cast, Collision
-from feeler.arguments import near
+from feeler.arguments import mask_of, near
 from feeler.errors import OptionError, PoseError, WorkbenchError
 from feeler.parts import Part, Parts, PartsLike
 from feeler.poses import PoseLike, one_pose
@@ -43,8 +43,11 @@ def plain_parts(parts: PartsLike | None) -> object:
         return parts.index
     if isinstance(parts, (Collision, Cast)):  # what `View.show` took in early builds
         raise WorkbenchError("an answer of the scene names no part", "show", "call show_hit(hit)")
+    mask = mask_of(parts)
+    if mask is not None:
+        return np.flatnonzero(mask).tolist()
     if isinstance(parts, np.ndarray):
-        return np.flatnonzero(parts).tolist() if parts.dtype == bool else parts.tolist()
+        return parts.tolist()
     if isinstance(parts, np.integer):
         return int(parts)
     if parts is None or isinstance(parts, (str, int)) or not isinstance(parts, Iterable):

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Packed, PackedPiece
-from feeler.io.body import stated_colours
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 from feeler.workbench.document.motion import Floats
@@ -71,10 +70,7 @@ class Geometry:
     """A scene, packed. places: triangles of its mock-up -> packed triangles."""
 
     def __init__(self, scene: Scene, content: str, name: str, packed: PackedScene | None = None) -> None:
-        """content: the digest of the mock-up. packed: default `pack_scene(scene)`.
-
-        Raises `OptionError` for `part_colours` that do not fit the mock-up.
-        """
+        """content: the digest of the mock-up. packed: default `pack_scene(scene)`."""
         self._scene, self._content, self._name = scene, content, name
         self._small, self._colours = small_parts(scene), _colours(scene)
         made = pack_scene(scene) if packed is None else packed
@@ -181,7 +177,7 @@ class HeldGeometry:
 
 def _colours(scene: Scene) -> list[int]:
     """`ManifestParts.colours`. Not even the colour of an excluded part is sent."""
-    colours = stated_colours(scene.mockup, scene.mockup.part_count)
+    colours = scene.mockup.part_colours
     if colours is None:
         return []
     has_one = np.isfinite(colours).all(axis=1) & scene.part_mask

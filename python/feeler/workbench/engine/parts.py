@@ -53,7 +53,7 @@ class PartTools:
             vertices, faces = self.at(part, place)
             lying = Mockup(vertices, faces, part_names=[self.mockup.part_names[part]])
             if self.mockup.part_colours is not None:
-                lying.part_colours = np.asarray(self.mockup.part_colours)[[part]]
+                lying.part_colours = self.mockup.part_colours[[part]]
             kept = (place, Scene(lying))
             self._lying[part] = kept
         return kept[1]
