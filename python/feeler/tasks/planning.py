@@ -256,9 +256,7 @@ def _question(
     undone = tuple(part for part in wanted if part in fixings and part not in inner | fixings.riding)
     riders: dict[int, list[int]] = {body[0]: list(body[1:]) for body in bodies}
     lead: dict[int, int] = {part: body[0] for body in bodies for part in body[1:]}
-    for part in fixings:
-        if not scene.part_mask[part]:
-            continue
+    for part in (each for each in fixings if scene.part_mask[each]):
         for washer in fixings.washers(part):
             riders.setdefault(part, []).append(washer)
             lead[washer] = part
@@ -275,10 +273,9 @@ def _question(
         elif fixings.is_plug(part) and anchor is not None:
             riders.setdefault(anchor, []).append(part)
     for stud, anchor in fixings.studs.items():
-        if stud in kept:
-            continue
-        riders.setdefault(anchor, []).append(stud)
-        lead[stud] = anchor
+        if stud not in kept:
+            riders.setdefault(anchor, []).append(stud)
+            lead[stud] = anchor
     options = {"ignore": [], "overlap": 0.0, "seats": True, "clearance": 0.0, "seed": seed, "threads": threads}
     grip = {"tool": None, "start": None, "directions": None}
     all_riders = {part: _all_riders(part, riders) for part in riders}
