@@ -284,7 +284,7 @@ mod tests {
         for case in 0..200 {
             let turn = feeler_core::Pose::new(&random.motion(2.0)).unwrap();
             let rough = if case % 2 == 0 { 0.0 } else { 1e-6 };
-            let (vertices, faces) = joined([0.0, 1.0].map(|z| box_mesh([0.0, 0.0, z], [1.0; 3], 1)).into_iter());
+            let (vertices, faces) = joined([0.0, 1.0].map(|z| box_mesh([0.0, 0.0, z], [1.0; 3], 1)));
             let rounded = |x: f64| if rough > 0.0 { (x / rough).round() * rough } else { x };
             let all: Vec<Point> =
                 faces.iter().flatten().map(|v| turn.apply(&vertices[*v as usize]).map(rounded)).collect();
