@@ -270,16 +270,20 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
 
 #[test]
 fn a_servo_that_is_slower_than_it_was_to_be_is_said() {
-    // No system sleeps for ten microseconds.
+    // No system sleeps for ten microseconds. On a busy one a servo may not run long enough to tell: another is tried.
     let options = RunnerOptions::default().with_rate_hz(1e5);
-    let mut runner = run(device(pushing()), &options);
-    for _ in 0..LOOKS {
-        if runner.limitations_in_words().iter().any(|said| said.contains("Hz instead of 100,000")) {
-            return;
+    let mut last = Vec::new();
+    for _ in 0..8 {
+        let mut runner = run(device(pushing()), &options);
+        for _ in 0..LOOKS / 8 {
+            last = runner.limitations_in_words();
+            if last.iter().any(|said| said.contains("Hz instead of 100,000")) {
+                return;
+            }
+            std::thread::sleep(Duration::from_micros(300));
         }
-        std::thread::sleep(Duration::from_micros(300));
     }
-    panic!("{:?}", runner.limitations_in_words());
+    panic!("{last:?}");
 }
 
 #[test]
