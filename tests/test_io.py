@@ -680,4 +680,4 @@ def test_paths_are_echoed_as_they_were_given(tmp_path: Path) -> None:
         load_mockup(b"a.stl")  # type: ignore[arg-type]
     plain = tmp_path / "plain"
     plain.write_bytes(stl_binary(SOUP))
-    assert "plain has no extension, but its content is STL: read as STL" in load_mockup(plain).source.doubts[0]
+    assert "plain has no extension, but its content is STL: read as STL" in load_mockup(plain).source.notes[0]

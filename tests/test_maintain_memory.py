@@ -100,7 +100,7 @@ def test_parts_that_are_remembered_are_asked_for_further_directions(monkeypatch:
     opposed, further = Mover.opposed, []
 
     def more(self: Mover, direction: tuple[float, float, float]) -> set[int]:
-        further.append(self._opposed((0.6, 0.8, 0.0)))
+        further.append(self._opposed((0.6, 0.8, 0.0), set()))
         return opposed(self, direction)
 
     monkeypatch.setattr(Mover, "opposed", more)

@@ -260,3 +260,26 @@ def test_a_kept_clamp_leaves_with_nothing() -> None:
     task = feeler.task(feeler.Scene(tilted(meshes(parts), 4)), "pipe", keep="clamp_lower")
     assert task.is_found, task.blocked
     assert all("clamp_lower" not in step.paths for step in task.steps)
+
+
+def test_what_a_kept_fastener_is_screwed_into_stays_with_it() -> None:
+    """A set screw in a hub, a stud in its foot, and a washer, which its nut leaves behind."""
+    hub = (
+        cylinder(20, 0, 20, 48)
+        - cylinder(8, -1, 21, 48)
+        - cylinder(2.5, 0, 30).rotate((0, 90, 0)).translate((0, 0, 10))
+    )
+    shaft = cylinder(8, -40, 60, 48) - block((7, -5, 5), (9, 5, 15))
+    screw = (cylinder(2.5, 7, 14) - cylinder(1.3, 11, 15, 6)).rotate((0, 90, 0)).translate((0, 0, 10))
+    kept = feeler.task(
+        feeler.Scene(tilted(meshes({"hub": hub, "shaft": shaft, "set screw": screw}), 1)), "hub", keep="set screw"
+    )
+    assert not kept.is_found and kept.blocked[0].because == "a fastener that holds it is kept"
+    parts = on_a_foot(8.0)
+    parts["washer"] = (cylinder(8, 10, 11.6) - cylinder(4.2, 9, 12)).translate((0, 0, 0))
+    parts["nut"] = parts["nut"].translate((0, 0, 1.6))
+    parts["foot"] -= cylinder(4.01, -15.01, 1)
+    scene = feeler.Scene(tilted(meshes(parts), 2))
+    assert not feeler.task(scene, "foot", keep="stud").is_found
+    loose = feeler.task(scene, "nut", keep=["washer", "foot"])
+    assert steps(loose) == [("undo", "nut")] and loose.steps[0].paths == ("nut",)

@@ -341,7 +341,7 @@ def test_what_the_page_cannot_open_is_told_as_what_it_is(context: Any, stand: Pa
         page = opened(context, started)
         for file, told in (
             (project, "work.feelproj is a project: start feeler view work.feelproj to open it"),
-            (none, "none of the parts in the findings exist in this mock-up"),
+            (none, "1 of 1 finding names parts that this mock-up lacks, such as 'no2'"),
             (some, "1 of 2 findings name parts that this mock-up lacks, such as 'nope'"),
         ):
             with page.expect_file_chooser() as chooser:

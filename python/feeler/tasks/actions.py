@@ -91,10 +91,16 @@ def joints_of(question: Question, fixings: Fixings, node: int) -> list[frozenset
     found: dict[frozenset[int], frozenset[int]] = {}
     for part in sorted(own):
         for fastener in fixings.by_joined.get(part, ()):
-            if set(fixings.joins(fastener)) <= own:
+            if set(fixings.joins(fastener)) <= own and fastener not in question.kept:
                 continue
             axis = frozenset([fastener, *(mate for mate in fixings.axis_mates(fastener))])
             found[axis] = axis - question.kept
+    # A stud stays in its part.
+    found |= {
+        frozenset([stud]): frozenset()
+        for stud in question.kept & fixings.studs.keys() - own
+        if fixings.studs[stud] in own
+    }
     return list(found.values())
 
 

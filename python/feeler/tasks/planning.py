@@ -257,7 +257,7 @@ def _question(
     riders: dict[int, list[int]] = {body[0]: list(body[1:]) for body in bodies}
     lead: dict[int, int] = {part: body[0] for body in bodies for part in body[1:]}
     for part in (each for each in fixings if scene.part_mask[each]):
-        for washer in fixings.washers(part):
+        for washer in (each for each in fixings.washers(part) if each not in kept):
             riders.setdefault(part, []).append(washer)
             lead[washer] = part
         if part in kept:

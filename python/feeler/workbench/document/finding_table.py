@@ -305,7 +305,8 @@ def table_of(data: Any, parts: Parts, absent: Collection[int] = (), where: str =
 def lacking(table: FindingTable, parts: Parts) -> list[int]:
     """Rows of `table.paths` that are no part of the mock-up, not even one that was left out of the scene."""
     reader = _Reader(parts, ())
-    return [row for row in np.flatnonzero(table.part_of_path < 0).tolist() if reader.part(table.paths[row]) < 0]
+    unknown = np.flatnonzero(table.part_of_path < 0).tolist()
+    return [row for row in unknown if table.paths[row] and reader.part(table.paths[row]) < 0]
 
 
 def table_of_clashes(clashes: Clashes, mockup: Mockup, absent: Collection[int] = ()) -> FindingTable:

@@ -50,16 +50,8 @@ def _parsed(text: str, name: str) -> Any:
 
 
 def findings_of(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
-    """Findings in JSON, for the document. Raises `LoadError` if there is no list, or if no part of it is known."""
-    table = table_of(data, parts, absent)
-    lacked = lacking(table, parts)
-    if lacked and len(lacked) == len(table.paths):
-        raise LoadError(
-            f"none of the parts in the findings exist in this mock-up (0 of {len(lacked):,}, such as "
-            f"{table.paths[lacked[0]]!r}). Give the findings of this mock-up. If parts were renamed, feeler clash "
-            "--previous takes the findings over"
-        )
-    return Findings(table)
+    """Findings in JSON, for the document. Raises `LoadError` if there is no list."""
+    return Findings(table_of(data, parts, absent))
 
 
 def doubt_of(found: Findings, parts: Parts) -> str:
