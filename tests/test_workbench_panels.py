@@ -27,6 +27,7 @@ from browser import (
     troubles,
     wait,
 )
+from test_workbench_frame import drop
 
 import feeler
 
@@ -344,9 +345,7 @@ def test_what_the_page_cannot_open_is_told_as_what_it_is(context: Any, stand: Pa
             (none, "1 of 1 finding names parts that this mock-up lacks, such as 'no2'"),
             (some, "1 of 2 findings name parts that this mock-up lacks, such as 'nope'"),
         ):
-            with page.expect_file_chooser() as chooser:
-                page.keyboard.press("Control+o")
-            chooser.value.set_files(file)
+            drop(page, file.name, file.read_bytes())
             page.locator(".notice", has_text=told).wait_for()
 
 
