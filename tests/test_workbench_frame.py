@@ -280,7 +280,7 @@ def drop(page: Any, name: str, data: bytes) -> None:
 
 
 def choose(page: Any, path: Path) -> None:
-    """Opens a file by its key. A page that lost its connection for a moment ignores keys: press again."""
+    """Opens a file by its key. A browser cancels a chooser before it is told to hand them over: press again."""
     choosers: list[Any] = []
     page.on("filechooser", lambda chooser: choosers.append(chooser))
     for tick in range(SLOW_MS // 100):
