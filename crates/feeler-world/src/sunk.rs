@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::seats::{crossing_outside, crossings_in_place, flush_points, Flush, FlushAt, Inside, SeatKind, Seated};
 use crate::surroundings::Surroundings;
 
-/// Of the ids of planes: these set apart what is flush, crossings, and contact planes.
+/// High bits of plane ids: they keep the ids of flush points, of crossings and of contact planes apart.
 const FLUSH_BIT: u32 = 61;
 const CROSSING_BIT: u32 = 62;
 
@@ -269,7 +269,7 @@ fn middle_of(corners: &[Point; 3]) -> Point {
     std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0)
 }
 
-/// Some of what has points that are far apart: each next one is the farthest from those before.
+/// Picks items whose points are spread out: each is the farthest from all that were picked before it.
 fn spread<T: Copy>(all: &[T], point: impl Fn(&T) -> &Point, most: usize) -> Vec<T> {
     let square = |a: &T, b: &T| sub(point(a), point(b)).iter().map(|x| x * x).sum::<f64>();
     let Some(first) = all.first() else { return Vec::new() };

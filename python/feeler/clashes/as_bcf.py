@@ -105,7 +105,7 @@ def write_bcf(
 
 
 def left_out(clashes: Clashes, by: GroupBy, topics: int) -> str:
-    """How a file with so many topics falls short of all groups: "has the 100 worst of 120 groups". Else empty."""
+    """Which groups a file with so many topics leaves out, such as "has the 100 worst of 120 groups"; empty if none."""
     groups = clashes.groups(by)
     if topics >= len(groups):
         return ""

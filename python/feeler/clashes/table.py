@@ -615,7 +615,7 @@ def check_same(mockup: Mockup, clashes: Table) -> None:
 
 
 def _read_only(column: AnyArray) -> AnyArray:
-    """A column made anew: what is written into it would be lost."""
+    """Makes a computed column read-only: the table would not see what a caller writes into it."""
     column.flags.writeable = False
     return column
 

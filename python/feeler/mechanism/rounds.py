@@ -206,7 +206,7 @@ def _cylinders(facets: _Facets) -> Iterator[Round]:
 
 
 def _bands(facets: _Facets) -> Iterator[Round]:
-    """Facets between two rings: cones, and what is turned of them, such as chamfers, balls and tori."""
+    """Facets between two rings: cones, and surfaces made of cones, such as chamfers, balls and tori."""
     kept = np.flatnonzero(facets.left & facets.is_narrow)
     rings = _rings(facets.radius[kept].ravel(), facets.height[kept].ravel()).reshape(-1, 3)
     ordered = np.sort(rings, axis=1)

@@ -53,7 +53,7 @@ class Retained:
 def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
     """What the clamps and clips among some parts touch, but for some. scene: without fasteners.
 
-    Half a clamp holds nothing by what fastens it alone: that only joins it to its support.
+    A fastener that holds only one half of a clamp joins it to its support, and does not hold what the clamp is around.
     """
     mockup, found, known = scene.mockup, set[int](), {*parts} | but
     for part in parts:

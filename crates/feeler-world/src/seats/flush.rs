@@ -53,7 +53,7 @@ pub fn flush_points(tool: &Tool, start: &Pose, mockup: &Mockup, triangles: [u32;
     points.map(|point| Flush { point, normal, triangles }).collect()
 }
 
-/// The corners of what two triangles in a plane have in common, each a little towards the middle; none where they only touch.
+/// The corners of the overlap of two triangles in one plane, each moved a little inwards. Empty where they only touch.
 fn common(own: &Triangle, other: &Triangle, normal: &Point) -> Vec<Point> {
     let mut polygon = own.to_vec();
     let [a, b, c] = other;
