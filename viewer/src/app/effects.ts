@@ -1,6 +1,7 @@
 // From the store to the stage: each change of the store is drawn once.
 
 import { computed, effect } from "@preact/signals";
+import { waysOf } from "../actions/cards";
 import type { Workbench } from "../actions/workbench";
 import { saveSettings } from "../model/settings";
 import { goneParts } from "../model/task";
@@ -20,7 +21,13 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       const others = store.people.selections.value;
       void step.value;
       const gone = goneParts(store.film.peek(), document?.cards ?? [], store.answers.value, store.paths.value);
-      const shown = document && gone.length > 0 ? { ...document, ghost: [...document.ghost, ...gone] } : document;
+      // What a film moves is seen, though the sequence has it out.
+      const filmed = new Set(waysOf(wb, store.film.peek()?.card).flatMap((way) => way.parts));
+      const shown = document && {
+        ...document,
+        ghost: [...document.ghost, ...gone],
+        out: document.out.filter((part) => !filmed.has(part)),
+      };
       if (shown) loop.setPartStates(partStates(count, shown, store.selection.value, focus, others));
     }),
     effect(() => {
