@@ -277,9 +277,65 @@ def test_a_flush_head_goes_no_deeper_in_any_frame(sides: int, under: list[tuple[
         out = [np.eye(4), shifted(0.04 * turn[:, 2])]
         for end in (dragged(scene, 0, out), gone(session, bolt[0], out, 0.002)):
             np.testing.assert_allclose(end, out[-1], atol=5e-4)
+        slowly = [shifted(k * 2e-5 * turn[:, 2]) for k in range(6)]
+        np.testing.assert_allclose(dragged(scene, 0, slowly), slowly[-1], atol=1e-9)
     # The planner goes out too, though in is tried first.
     found = feeler.removal(scene, 0, directions=[-turn[:, 2]], seconds=20.0)
     assert found.is_found and (found.poses[-1][:3, 3] - found.poses[0][:3, 3]) @ turn[:, 2] > 0.0
+
+
+def socket_screw(sides: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
+    """A countersunk screw, its head up to z = 0, with a socket 1.8 mm deep."""
+    profile = [(0.0, -0.02), (0.003, -0.02), (0.003, -0.003), (0.006, 0.0), (0.0, 0.0)]
+    vertices, faces = turned_profile(profile, sides, 0.1)
+    ring, floor = np.arange(2 * sides, 3 * sides), len(vertices) - 1
+    vertices[floor, 2] = -0.0018
+    angles = 2 * np.pi * np.arange(corners) / corners
+    rim = np.c_[0.0023 * np.cos(angles), 0.0023 * np.sin(angles), np.zeros(corners)]
+    first = len(vertices)
+    cap, o, i = [], 0, 0
+    while o < sides or i < corners:
+        inner, outer = first + i % corners, ring[o % sides]
+        if i >= corners or (o < sides and 0.1 + 2 * np.pi * (o + 1) / sides <= 2 * np.pi * (i + 1) / corners):
+            o += 1
+            cap.append([outer, ring[o % sides], inner])
+        else:
+            i += 1
+            cap.append([outer, first + i % corners, inner])
+    for k in range(corners):
+        a, b = first + k, first + (k + 1) % corners
+        cap += [[a, b, b + corners], [a, b + corners, a + corners], [a + corners, b + corners, floor]]
+    return np.concatenate([vertices, rim, rim - [0, 0, 0.0018]]), np.concatenate([faces[:-sides], cap])
+
+
+@pytest.mark.parametrize(("sides", "corners"), [(16, 6), (33, 4)])
+def test_a_socket_does_not_hold_its_screw_in_a_plate_without_a_hole(sides: int, corners: int) -> None:
+    vertices, faces = socket_screw(sides, corners)
+    plate, plate_faces = box((-0.05, -0.04, -0.03), (0.06, 0.05, 0.0))
+    for frame in frames():
+        turn, place = frame[:3, :3], frame[:3, 3]
+        screw = vertices @ turn.T + place, faces
+        scene, session = beside(screw, (plate @ turn.T + place, plate_faces))
+        assert [seat.kind for seat in session.start(np.eye(4)).seats] == ["sunk"]
+        out = [shifted(k * 1e-3 * turn[:, 2]) for k in range(31)]
+        for end in (dragged(scene, 0, out), gone(session, screw[0], [out[0], out[-1]], 0.001)):
+            np.testing.assert_allclose(end, out[-1], atol=5e-4)
+        found = feeler.removal(scene, 0, seconds=20.0)
+        assert found.is_found and (found.poses[-1][:3, 3] - found.poses[0][:3, 3]) @ turn[:, 2] > 0.02
+        # Neither in nor aside.
+        for way in (-turn[:, 2], turn[:, 0]):
+            end = dragged(scene, 0, [np.eye(4), shifted(0.01 * way)])
+            assert np.linalg.norm(end[:3, 3]) < 5e-4
+
+
+def test_a_cup_does_not_go_through_a_post_that_fills_it() -> None:
+    # Upside down over the post, which goes on through the cup's floor.
+    cup = turned_profile([(0.0, 0.025), (0.01, 0.025), (0.01, 0.0), (0.02, 0.0), (0.02, 0.03), (0.0, 0.03)], 12, 0.1)
+    post = turned_profile([(0.0, -0.02), (0.011, -0.02), (0.011, 0.05), (0.0, 0.05)], 12, 0.1)
+    scene, session = beside(cup, post)
+    assert [seat.kind for seat in session.start(np.eye(4)).seats] == ["sunk"]
+    down = [np.eye(4), shifted(np.array([0.0, 0.0, -0.02]))]
+    assert dragged(scene, 0, down)[2, 3] > -1e-3
 
 
 def test_a_flush_collar_goes_no_deeper_than_it_is_beside_a_shaft_that_crosses_its_bore() -> None:

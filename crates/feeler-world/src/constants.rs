@@ -152,6 +152,10 @@ pub const MOST_FLUSH_POINTS: usize = 12;
 /// Most such points that are tried. More: smaller surfaces are seen, and a start takes longer.
 pub const MOST_FLUSH_TRIED: usize = 4096;
 
+/// How far the rim of a pocket may be out of a plane, as a share of the tool's size. Larger: rims of domed heads count, too, and what
+/// lies behind a bent edge may be taken for a pocket.
+pub const MOUTH_FLATNESS: f64 = 1e-4;
+
 // Seats for control loops.
 
 /// Most crossings that hold a sunk part in its place. More: it is held at more points, and each takes a row of the program.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use feeler_core::geometry::vectors::{dot, length, scaled, sub};
 use feeler_core::{Cast, Motion, Point, Pose, Tool};
 
-use crate::constants::{IMPACT_MARGIN, STUCK};
+use crate::constants::{IMPACT_MARGIN, STUCK, TOUCH};
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::seats::{Seat, Seated};
@@ -61,7 +61,12 @@ impl GuardedMove {
     /// A tool at a pose.
     pub fn new(environment: Environment, tool: Arc<Tool>, pose: &Pose) -> Result<GuardedMove> {
         let mut begun = GuardedMove { environment, tool, start: *pose, seats: None, stuck: None };
-        if begun.environment.is_colliding(&begun.tool, pose) {
+        // A sunk part may be flush with its neighbour all around: no surfaces cross, and it is inside.
+        let is_inside = || -> Result<bool> {
+            let near = begun.environment.distance(&begun.tool, pose, TOUCH)?;
+            Ok(near.is_some() && begun.environment.is_containing(&begun.tool, pose))
+        };
+        if begun.environment.is_colliding(&begun.tool, pose) || is_inside()? {
             let around = begun.around(pose)?;
             let seated = around.seated_at_start();
             begun.seats = Some((around, seated));

@@ -3,6 +3,7 @@
 //! They leave through the volume that they filled. This is tested at poses along a motion, so their steps are short.
 
 use feeler_contacts::{ContactPlane, ContactSolver};
+use feeler_core::geometry::twist::times;
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Pose, Ray, Scene, Tool};
 
@@ -13,7 +14,10 @@ use crate::constants::{
 };
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
-use crate::seats::{crossing_outside, crossings_in_place, flush_points, Flush, FlushAt, Inside, SeatKind, Seated};
+use crate::seats::{
+    crossing_outside, crossings_in_place, flush_points, pockets, AtStart, Filled, Flush, FlushAt, Inside, SeatKind,
+    Seated,
+};
 use crate::surroundings::Surroundings;
 
 /// High bits of plane ids: they keep the ids of flush points, of crossings and of contact planes apart.
@@ -42,6 +46,8 @@ impl Surroundings {
         }
         if self.least_sunk.is_finite() {
             let seated = self.seated_at_start();
+            let sunk = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
+            self.filled = self.find_filled(sunk)?;
             let scenes = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
             let flush: Vec<Vec<Flush>> = scenes
                 .map(|sunk| sunk.map_or_else(|| Ok(Vec::new()), |sunk| self.find_flush(sunk)))
@@ -77,7 +83,7 @@ impl Surroundings {
             }
             let pairs = self.sunk_pairs(number, sunk.scene(), pose);
             let inside = self.samples_inside(number, sunk.scene(), pose)?;
-            for crossing in crossings_in_place(&self.tool, &self.start, mockup, (&pairs, &inside), pose) {
+            for crossing in crossings_in_place(self.place(number), mockup, (&pairs, &inside), pose) {
                 let outward = scaled(&crossing.outward, -1.0);
                 let plane = plane(crossing.at, outward, crossing.room, crossing.triangles, CROSSING_BIT);
                 found.push(SunkPlane { plane, point: crossing.at, room: crossing.room.max(0.0) });
@@ -94,20 +100,23 @@ impl Surroundings {
             let depth = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]).map_or(0.0, |seat| seat.depth);
             let is_way =
                 || self.through.get(body).into_iter().flatten().any(|way| dot(way, &plane.normal) < -THROUGH_COS);
-            -plane.gap > SEAT_TOLERANCE.max(SLIVER_DEPTH * depth) && !(-plane.gap > FIT_DEPTH * self.size && is_way())
+            let is_filled = plane.tool_triangles.iter().all(|t| self.is_filled(body, *t));
+            !is_filled
+                && -plane.gap > SEAT_TOLERANCE.max(SLIVER_DEPTH * depth)
+                && !(-plane.gap > FIT_DEPTH * self.size && is_way())
         });
         Ok(planes)
     }
 
     /// Whether a face of the tool that leads on a way has the solid of the neighbours of a scene before it at the start: that would have to
     /// give. A face that is flush with the surface where the way leaves has nothing before it.
-    fn leads_inside(&self, scene: &Scene, way: &Point) -> Result<bool> {
+    fn leads_inside(&self, body: usize, scene: &Scene, way: &Point) -> Result<bool> {
         let mesh = self.tool.mesh();
         for t in mesh.queried().step_by(mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1)) {
             let corners = self.start.apply_triangle(&mesh.triangle(t));
             let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
             let sign = if self.tool.adjacency().outward[t as usize] < 0 { -1.0 } else { 1.0 };
-            if sign * dot(&normal, way) < LEADING_COS * length(&normal) {
+            if sign * dot(&normal, way) < LEADING_COS * length(&normal) || self.is_filled(body, t) {
                 continue;
             }
             if around_point(scene, &along(&middle_of(&corners), SEAT_TOLERANCE, way), way)?.is_some() {
@@ -126,8 +135,9 @@ impl Surroundings {
             let mut found = Vec::new();
             if let Some(sunk) = &asked.sunk {
                 let stride = mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1);
+                let bearing = mesh.queried().filter(|t| !self.is_filled(number, *t));
                 let whole: Vec<(u32, Point)> =
-                    mesh.queried().step_by(stride).map(|t| (t, middle_of(&mesh.triangle(t)))).collect();
+                    bearing.step_by(stride).map(|t| (t, middle_of(&mesh.triangle(t)))).collect();
                 let mockup = self.environment.bodies[number].solver.scene().mockup();
                 let is_sunk = |sample: &Inside| {
                     let [t, m] = sample.triangles;
@@ -190,14 +200,14 @@ impl Surroundings {
                     continue;
                 }
                 tried.push(way);
-                if self.leads_inside(sunk.scene(), &way)? {
+                if self.leads_inside(number, sunk.scene(), &way)? {
                     continue;
                 }
                 let is_in_place = |by: &f64| -> Result<bool> {
                     let pose = self.moved(&self.start, &way, by * self.size)?;
                     let (scene, mockup) = (sunk.scene(), sunk.scene().mockup());
                     let pairs = self.sunk_pairs(number, scene, &pose);
-                    Ok(crossing_outside(&self.tool, &self.start, mockup, (&pairs, &[]), &pose).is_none())
+                    Ok(crossing_outside(self.place(number), mockup, (&pairs, &[]), &pose).is_none())
                 };
                 if THROUGH_TRIALS.iter().map(is_in_place).collect::<Result<Vec<bool>>>()?.iter().all(|is_in| *is_in) {
                     ways.push(way);
@@ -205,6 +215,37 @@ impl Surroundings {
             }
         }
         Ok(all)
+    }
+
+    /// See `filled`; `sunk`: the sunk neighbours, by body.
+    fn find_filled<'a>(&self, sunk: impl Iterator<Item = Option<&'a Scene>>) -> Result<Vec<Filled>> {
+        let pockets = pockets(&self.tool, self.size);
+        let mut all = Vec::new();
+        for scene in sunk {
+            let mut filled = Filled::default();
+            for pocket in &pockets {
+                let Some(scene) = scene else { break };
+                let outward = times(self.start.rotation(), &pocket.outward);
+                let is_solid = |point: &Point| -> Result<bool> {
+                    let before = along(&self.start.apply(point), SEAT_TOLERANCE, &outward);
+                    Ok(around_point(scene, &before, &outward)?.is_some())
+                };
+                if !pocket.mouth.iter().map(is_solid).collect::<Result<Vec<bool>>>()?.contains(&true) {
+                    filled.add(pocket);
+                }
+            }
+            all.push(filled);
+        }
+        Ok(all)
+    }
+
+    /// What sunk parts fill of a body.
+    pub(crate) fn place(&self, body: usize) -> AtStart<'_> {
+        AtStart { start: &self.start, tool: &self.tool, filled: &self.filled[body] }
+    }
+
+    fn is_filled(&self, body: usize, tool_triangle: u32) -> bool {
+        self.filled.get(body).is_some_and(|filled| filled.contains(tool_triangle))
     }
 
     /// Points of a body's sunk parts that are flush with it at the start, spread over their surfaces.
@@ -249,7 +290,7 @@ impl Surroundings {
         let mut hit = scene.collide(tool, pose).pairs;
         hit.retain(|[t, m]| {
             let pair = [tool.part_of_face(*t), mockup.part_of_face(*m)];
-            self.seat_of(body, pair).is_some_and(|seat| seat.kind == SeatKind::Sunk)
+            !self.is_filled(body, *t) && self.seat_of(body, pair).is_some_and(|seat| seat.kind == SeatKind::Sunk)
         });
         hit
     }

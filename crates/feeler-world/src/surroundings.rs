@@ -10,7 +10,7 @@ use feeler_core::{Aabb, Closest, Point, Pose, Scene, Tool};
 use crate::constants::{EXIT_MARGIN, STEPS_A_LENGTH};
 use crate::environment::{id_in_body, Body, Environment, Pair};
 use crate::error::Result;
-use crate::seats::{find_seats, Allowed, Flush, Makings, Seat, SeatKind, Seated};
+use crate::seats::{find_seats, Allowed, Filled, Flush, Makings, Seat, SeatKind, Seated};
 
 /// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
@@ -37,6 +37,8 @@ pub struct Surroundings {
     pub(crate) through: Vec<Vec<Point>>,
     /// By body: triangles of sunk parts, and a point of each (tool frame) that is inside the neighbour at the start.
     pub(crate) samples: Vec<Vec<(u32, Point)>>,
+    /// By body: the pockets of the tool that the neighbours' solid fills at the start.
+    pub(crate) filled: Vec<Filled>,
     /// By body: points of sunk parts that are flush with the neighbour at the start.
     pub(crate) flush: Vec<Vec<Flush>>,
     /// By body: its parts that are in the tool at the start, and the depth by points, metres.
@@ -111,6 +113,7 @@ impl Surroundings {
             least_sunk: f64::INFINITY,
             through: Vec::new(),
             samples: Vec::new(),
+            filled: Vec::new(),
             flush: Vec::new(),
             start_depths: OnceLock::new(),
             tool,

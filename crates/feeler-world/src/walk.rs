@@ -282,7 +282,7 @@ impl Surroundings {
             }
             let pairs = self.sunk_pairs(body, sunk.scene(), pose);
             let inside = self.samples_inside(body, sunk.scene(), pose)?;
-            let outside = crossing_outside(tool, &self.start, sunk.scene().mockup(), (&pairs, &inside), pose);
+            let outside = crossing_outside(self.place(body), sunk.scene().mockup(), (&pairs, &inside), pose);
             if outside.is_some() {
                 return Ok(outside);
             }

@@ -6,6 +6,7 @@ mod find;
 mod flush;
 mod inwards;
 mod place;
+mod pockets;
 mod seated;
 
 pub use find::{Allowed, Seat, SeatKind};
@@ -13,5 +14,6 @@ pub use seated::Seated;
 
 pub(crate) use find::find_seats;
 pub(crate) use flush::{flush_points, Flush, FlushAt};
-pub(crate) use place::{crossing_outside, crossings_in_place, Inside};
+pub(crate) use place::{crossing_outside, crossings_in_place, AtStart, Inside};
+pub(crate) use pockets::{pockets, Filled};
 pub(crate) use seated::{Makings, SeatedBody, SmallerPart};

@@ -9,6 +9,7 @@
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Tool, Triangle};
 
+use super::pockets::Filled;
 use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, MOST_PLACE_ROWS, PLACE_SHARE, SEAT_TOLERANCE};
 
 /// A sample of the tool's surface inside of a neighbour.
@@ -20,14 +21,32 @@ pub struct Inside {
     pub triangles: [u32; 2],
 }
 
+/// The tool as it was at the start.
+#[derive(Debug, Clone, Copy)]
+pub struct AtStart<'a> {
+    /// World from tool.
+    pub start: &'a Pose,
+    /// The tool there.
+    pub tool: &'a Tool,
+    /// Its pockets that are a part of its place.
+    pub filled: &'a Filled,
+}
+
+impl AtStart<'_> {
+    /// The surface of the place of a part of the tool, world.
+    fn surface(&self, part: u32) -> impl Iterator<Item = Triangle> + '_ {
+        self.filled.surface(self.tool, part).map(|corners| self.start.apply_triangle(&corners))
+    }
+}
+
 /// The part of the mock-up at a crossing, or around a sample, that is outside of the tool's place, world, as it was at the start.
 pub fn crossing_outside(
-    tool: &Tool,
-    start: &Pose,
+    place: AtStart<'_>,
     mockup: &Mockup,
     (pairs, inside): (&[[u32; 2]], &[Inside]),
     pose: &Pose,
 ) -> Option<u32> {
+    let tool = place.tool;
     let mesh = tool.mesh();
     let triangles = mesh.faces().len();
     // As many crossings as fit the work, spread over all.
@@ -35,7 +54,7 @@ pub fn crossing_outside(
     let stride = pairs.len().div_ceil(most).max(1);
     let is_out = |sample: &&Inside| {
         let own = tool.part_of_face(sample.triangles[0]);
-        !is_in(tool, own, start, &sample.at, room_around(tool, own))
+        !is_in(place, own, &sample.at, room_around(tool, own))
     };
     if let Some(sample) = inside.iter().find(is_out) {
         return Some(mockup.part_of_face(sample.triangles[1]));
@@ -46,7 +65,7 @@ pub fn crossing_outside(
         let crossings = crossings(&p, &mockup.mesh().triangle(*m));
         let own = tool.part_of_face(*t);
         let near = room_around(tool, own);
-        crossings.iter().any(|x| !is_in(tool, own, start, x, near))
+        crossings.iter().any(|x| !is_in(place, own, x, near))
     };
     pairs.find(outside).map(|[_, m]| mockup.part_of_face(*m))
 }
@@ -71,12 +90,12 @@ pub struct Crossing {
 
 /// Some crossings, spread over all.
 pub fn crossings_in_place(
-    tool: &Tool,
-    start: &Pose,
+    place: AtStart<'_>,
     mockup: &Mockup,
     (pairs, inside): (&[[u32; 2]], &[Inside]),
     pose: &Pose,
 ) -> Vec<Crossing> {
+    let tool = place.tool;
     let mesh = tool.mesh();
     let most = (MOST_CROSSING_WORK / mesh.faces().len().max(1)).clamp(LEAST_CROSSINGS, MOST_PLACE_ROWS);
     let mut found = Vec::new();
@@ -92,8 +111,8 @@ pub fn crossings_in_place(
         let Some(normal) = unit(&cross(&sub(&p[1], &p[0]), &sub(&p[2], &p[0]))) else { continue };
         let own = tool.part_of_face(t);
         let outward = if tool.adjacency().outward[t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
-        let (distance, nearest) = nearest_to(tool, own, start, &at);
-        let is_out = !is_in(tool, own, start, &at, 0.0);
+        let (distance, nearest) = nearest_to(place, own, &at);
+        let is_out = !is_in(place, own, &at, 0.0);
         let depth = if is_out { -distance } else { distance };
         // A corner outside of the place leaves it away from the place, whatever way its faces look.
         let away = unit(&sub(&at, &nearest)).filter(|_| is_sample && is_out && distance > SEAT_TOLERANCE);
@@ -103,11 +122,12 @@ pub fn crossings_in_place(
     found
 }
 
-/// From a point of the world to the surface of a part of the tool at a pose, metres, and the nearest point there.
-fn nearest_to(tool: &Tool, part: u32, pose: &Pose, at: &Point) -> (f64, Point) {
-    let own = tool.mesh().queried().filter(|t| tool.part_of_face(*t) == part);
-    let closest = |t: u32| closest_triangle_triangle(&[*at; 3], &pose.apply_triangle(&tool.mesh().triangle(t)));
-    own.map(closest)
+/// From a point of the world to the surface of the place of a part of the tool, metres, and the nearest point there.
+fn nearest_to(place: AtStart<'_>, part: u32, at: &Point) -> (f64, Point) {
+    let closest = |corners: Triangle| closest_triangle_triangle(&[*at; 3], &corners);
+    place
+        .surface(part)
+        .map(closest)
         .min_by(|a, b| a.distance.total_cmp(&b.distance))
         .map_or((f64::INFINITY, *at), |closest| (closest.distance, closest.on_q))
 }
@@ -146,11 +166,10 @@ fn size_of(tool: &Tool, part: u32) -> f64 {
     length(&bounds.extent())
 }
 
-/// Whether a point of the world is in a part of the tool at a pose, or so near: by its winding number, the sum of solid angles.
-fn is_in(tool: &Tool, part: u32, pose: &Pose, at: &Point, near: f64) -> bool {
+/// Whether a point of the world is in the place of a part of the tool, or so near: by its winding number, the sum of solid angles.
+fn is_in(place: AtStart<'_>, part: u32, at: &Point, near: f64) -> bool {
     let mut angle = 0.0;
-    for t in tool.mesh().queried().filter(|t| tool.part_of_face(*t) == part) {
-        let corners = pose.apply_triangle(&tool.mesh().triangle(t));
+    for corners in place.surface(part) {
         if closest_triangle_triangle(&[*at; 3], &corners).distance <= near {
             return true;
         }
@@ -173,7 +192,8 @@ mod tests {
         let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 2);
         let tool = Tool::new(vertices, faces).unwrap();
         let there = Pose::IDENTITY.translated(&[1.0, 0.0, 0.0]).unwrap();
-        let is_in = |x: f64| is_in(&tool, 0, &there, &[x, 0.003, -0.002], SEAT_TOLERANCE);
+        let place = AtStart { start: &there, tool: &tool, filled: &Filled::default() };
+        let is_in = |x: f64| is_in(place, 0, &[x, 0.003, -0.002], SEAT_TOLERANCE);
         assert!(is_in(1.0) && is_in(1.0099) && is_in(1.010005) && !is_in(1.0102) && !is_in(0.0));
     }
 
@@ -188,7 +208,8 @@ mod tests {
         let pairs: Vec<[u32; 2]> = (0..faces.len() as u32).flat_map(|t| [[t, 0], [t, 1]]).collect();
         let at = |by: f64| {
             let pose = Pose::IDENTITY.translated(&[by * size_of(&tool, 0), 0.0, 0.0]).unwrap();
-            crossing_outside(&tool, &Pose::IDENTITY, &mockup, (&pairs, &[]), &pose)
+            let place = AtStart { start: &Pose::IDENTITY, tool: &tool, filled: &Filled::default() };
+            crossing_outside(place, &mockup, (&pairs, &[]), &pose)
         };
         assert_eq!((at(0.0), at(0.9 * PLACE_SHARE), at(1.1 * PLACE_SHARE)), (None, None, Some(0)));
     }
