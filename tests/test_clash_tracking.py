@@ -541,3 +541,24 @@ def test_findings_that_a_check_did_not_look_at_keep_their_status(tmp_path: Path,
     assert pair(again)["two", "three"] == "approved"
     (mark,) = (each for each in again if each.id == last)
     assert (mark.by, mark.note) == ("Ada", "drawn so") and len(again.earlier()) == 0 + (how == "others")
+
+
+def test_gaps_that_a_smaller_clearance_does_not_look_for_keep_their_status(tmp_path: Path) -> None:
+    def row(*gaps: float) -> feeler.Mockup:
+        starts = np.cumsum([0.0, *(1.0 + gap for gap in gaps)])
+        return mockup_of({f"box{k}": box((x, 0, 0), (x + 1, 1, 1)) for k, x in enumerate(starts)})
+
+    first = feeler.clash(row(0.005, 0.001), 0.006)
+    wide, near = sorted(first, key=lambda each: -each.gap)
+    first.set_status(wide.id, "approved", by="Ada", note="agreed")
+    found = feeler.clash(row(0.005, 0.1), 0.002)
+    changes = found.diff(first)
+    assert [(each.id, each.status) for each in changes.resolved] == [(near.id, "resolved")]
+    assert {each.id: each.status for each in found.earlier()} == {wide.id: "approved", near.id: "resolved"}
+    found.save(tmp_path / "some.json")
+    again = feeler.clash(row(0.005, 0.1), 0.006)
+    again.diff(feeler.load_clashes(tmp_path / "some.json"))
+    (kept,) = again
+    assert (kept.id, kept.status, kept.by, kept.note) == (wide.id, "approved", "Ada", "agreed")
+    gone = feeler.clash(row(0.1, 0.1), 0.006)
+    assert [each.status for each in gone.diff(again).resolved] == ["resolved"]

@@ -13,12 +13,14 @@ from typing import Any
 import pytest
 from commands import error_of, run, run_json
 from test_cli_view import viewed
+from test_project_workbench import opened, saved
 from workbench_fake import Page
 from workbench_scene import PATHS, PEG, stand
 
 import feeler
 from feeler.cli.projects import Work, keep_work
 from feeler.io import write_glb
+from feeler.project.store import put
 from feeler.workbench.document import protocol
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
@@ -135,6 +137,67 @@ def test_findings_of_a_check_go_into_the_project_with_their_history(tmp_path: Pa
     assert "about another mock-up" in other
     with feeler.open_project(path, read_only=False):
         assert "is open in process" in error_of("clash", path)
+
+
+def test_a_check_without_options_is_made_as_the_last_one(tmp_path: Path) -> None:
+    write_glb(tmp_path / "stand.glb", stand())
+    (tmp_path / "rules.toml").write_text('[[exclude]]\nname = "as drawn"\na = "*/peg"\n')
+    path = tmp_path / "stand.feelproj"
+
+    def settings() -> Any:
+        with feeler.open_project(path) as project:
+            return project.document()["clash"]
+
+    first = run_json("clash", tmp_path / "stand.glb", "--clearance", "0.1", "--project", path)
+    ruled = run_json("clash", path, "--rules", tmp_path / "rules.toml", "--contact", "1mm")
+    assert ruled["clearance"] == 0.1 and len(ruled["clashes"]) < len(first["clashes"])
+    rules = (tmp_path / "rules.toml").read_text()
+    assert settings() == {"clearance": 0.1, "contact": 0.001, "rules": rules}
+    again = run_json("clash", path)
+    assert again["clearance"] == 0.1 and again["contact"] == 0.001 and again["hidden"] == ruled["hidden"]
+    assert [each["id"] for each in again["clashes"]] == [each["id"] for each in ruled["clashes"]]
+    # The page has them, too; and what it sets, the next check.
+    there = settings()
+    session = opened(path)
+    before = session.document()
+    assert before["clash"] == there and len(before["hidden"]) == 0
+    session.command("clash_settings", {"clearance": 0.05, "rules": ""})
+    saved(session)
+    session.close()
+    assert settings() == {"clearance": 0.05, "contact": 0.001, "rules": ""}
+    assert run_json("clash", path)["clearance"] == 0.05
+    # The page kept its whole document.
+    with feeler.open_project(path) as project:
+        assert {"pose", "sections", "clash"} <= project.document().keys()
+
+
+def test_the_kept_rules_of_a_check_follow_renamed_parts(tmp_path: Path) -> None:
+    write_glb(tmp_path / "old.glb", stand())
+    whole = stand()
+    paths = [each.replace("stand", "frame", 1) for each in whole.part_paths]
+    names = [each.rsplit("/", 1)[-1] for each in paths]
+    renamed = feeler.Mockup(whole.vertices, whole.faces, whole.part_of_face, names, part_paths=paths)
+    write_glb(tmp_path / "new.glb", renamed)
+    (tmp_path / "rules.toml").write_text(f'[[exclude]]\nname = "as drawn"\na = "old/{whole.part_paths[PEG]}"\n')
+    path = tmp_path / "stand.feelproj"
+    words = ("--clearance", "0.1", "--rules", tmp_path / "rules.toml")
+    first = run_json("clash", tmp_path / "old.glb", *words, "--project", path)
+    again = run_json("clash", tmp_path / "new.glb", "--project", path)
+    assert first["hidden"] == again["hidden"] and len(again["clashes"]) == len(first["clashes"])
+    (tmp_path / "rules.toml").write_text("# " + 400_000 * "x")
+    assert "a project keeps at most 400,000" in error_of("clash", path, "--rules", tmp_path / "rules.toml")
+
+
+def test_damaged_settings_of_a_check_are_told(tmp_path: Path) -> None:
+    write_glb(tmp_path / "stand.glb", stand())
+    path = tmp_path / "stand.feelproj"
+    run("clash", tmp_path / "stand.glb", "--project", path)
+    good = {"clearance": 0.1, "contact": None, "rules": ""}
+    for bad in ({"clearance": -1}, {"clearance": "x"}, {"contact": True}, {"rules": 3}, {"rules": "[[exclude]"}, 3):
+        with feeler.open_project(path) as project:
+            value = {**good, **bad} if isinstance(bad, dict) else bad
+            project._book.write([put("document", "clash", 0, json.dumps(value))])
+        assert "is damaged" in error_of("clash", path), bad
 
 
 def test_the_project_names_the_mock_up_that_was_checked_last(tmp_path: Path) -> None:

@@ -93,6 +93,28 @@ def test_findings_keep_what_was_said_in_a_file_with_another_name(tmp_path: Path)
         assert all(row["status"] == "reviewed" and row["note"] for row in project.findings())
 
 
+def test_a_check_with_a_smaller_clearance_keeps_what_was_said(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    found = []
+    for clearance in (2.0, 0.001, 2.0):
+        session = opened(path)
+        session.command("clash_settings", {"clearance": clearance})
+        take(session, "clash")
+        facts = session.document()["findings"]
+        if not found:
+            marks = {"version": facts["version"], "status": "approved", "note": "agreed"}
+            session.command("finding_mark", {**marks, "rows": [*range(facts["count"])]})
+        saved(session)
+        found.append(said(session))
+        session.close()
+    assert len(found[1]) < len(found[0]) and found[2] == found[0]
+    assert {*found[0].values()} == {("approved", "agreed")}
+    # What moved away is gone.
+    session = opened(path, revision(p1=("move", 50.0)))
+    assert session.job("clash", {}).result(WAIT_S)["gone"] > 0
+    session.close()
+
+
 def test_a_check_of_the_command_line_knows_findings_of_the_workbench_in_another_file(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     before = checked(path)

@@ -383,6 +383,9 @@ def test_a_newer_revision_says_what_is_stale_and_keeps_what_still_has_parts(tmp_
     session.close()
     session = opened(path, newer, tool=cube())
     assert saved(session)["project"] == facts, "until somebody accepts it"
+    again = session.document()
+    for name in ("sequence", "measures", "cards", "requirements", "viewpoints"):
+        assert again[name] == document[name], "what was of the peg is of no other part now"
     session.command("accept_revision", {})
     with pytest.raises(WorkbenchError, match="no part is stale"):
         session.command("accept_revision", {})

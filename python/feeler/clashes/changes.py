@@ -163,7 +163,8 @@ def _skipped(now: Table, known: _Known[AnyTable], rows: npt.NDArray[np.intp]) ->
             sides.append((part_of_key[pair[1]], part_of_key[pair[2]]))
     if sides:
         a, b = np.array(sides, dtype=np.uint32).T
-        found[places] = now._scope.leaves_out(a, b)
+        gaps = -known.table.signed_depths[rows[places]]
+        found[places] = now._scope.leaves_out(a, b, gaps)
     return found
 
 

@@ -47,8 +47,9 @@ class Clashes(Table):
         Findings of both checks keep their status, except that new becomes active. Findings that did not exist, or were
         resolved, are new. Findings that are gone are resolved. An approved finding is new again if it is more than
         `growth` metres deeper than when it was approved, beyond the error of the depth, if it became a duplicate, or
-        if thin walls that did not overlap now clash. A partial check resolves nothing. Findings of parts that this
-        check did not look at, and those that a rule hides, keep their status in `earlier()` for the next check.
+        if thin walls that did not overlap now clash. A partial check resolves nothing. Findings that this
+        check did not look for, such as gaps above its clearance, and those that a rule hides, keep their status in
+        `earlier()` for the next check.
 
         Parts match by path, even if they moved, also below a root or sub-assembly with another name that other parts
         of it tell; equal parts that swapped paths, by place. If a path is gone (a file,

@@ -29,8 +29,8 @@ fasteners = true
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from feeler.arguments import (
@@ -189,6 +189,24 @@ class Rules:
             return cls(**_parsed(parsed_toml(text, where), where))
         except OptionError as error:
             raise LoadError(str(error)) from None
+
+    def renamed(self, pattern: Callable[[str], str]) -> Rules:
+        """The same rules with other patterns."""
+        words = [(each, tuple(map(pattern, each.a)), tuple(map(pattern, each.b))) for each in self.rules]
+        others = [(each, tuple(map(pattern, each.a)), tuple(map(pattern, each.b))) for each in self.exclusions]
+        return replace(
+            self,
+            rules=tuple(replace(each, a=a, b=b) for each, a, b in words),
+            exclusions=tuple(replace(each, a=a, b=b) for each, a, b in others),
+        )
+
+    def tolerant(self) -> Rules:
+        """The same rules, whose patterns may match nothing."""
+        return replace(
+            self,
+            rules=tuple(replace(each, optional=True) for each in self.rules),
+            exclusions=tuple(replace(each, optional=True) for each in self.exclusions),
+        )
 
 
 RulesLike = Rules | Mapping[str, object] | str | os.PathLike[str]

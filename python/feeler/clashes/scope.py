@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from feeler.clashes.limits import Hider, Ints, Limits
 
+Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 
@@ -17,7 +18,7 @@ class Scope:
     """What a check looked at.
 
     present: `(parts,)`. skipped: `(classes, classes)`, pairs of classes that no rule asks for. exclude: `(k, 2)` pairs
-    of parts that were skipped.
+    of parts that were skipped. reach: `(classes, classes)`, the distance within which a pair was looked for, metres.
     """
 
     present: Mask
@@ -26,19 +27,20 @@ class Scope:
     exclude: Ints
     rule_of_classes: npt.NDArray[np.int32]
     hiders: tuple[Hider, ...]
+    reach: Floats
 
     @classmethod
-    def of(cls, found: Limits, present: Mask) -> Scope | None:
-        """The scope of a check with these limits; None if it looked at every pair and hid none."""
-        skipped = found.of_classes < 0
-        if present.all() and not skipped.any() and not len(found.exclude) and not found.hiders:
-            return None
-        return cls(present.copy(), skipped, found.class_of_part, found.exclude, found.of_classes, found.hiders)
+    def of(cls, found: Limits, present: Mask) -> Scope:
+        """The scope of a check with these limits."""
+        reach = np.maximum(found.clearance, found.contact)
+        rows = found.of_classes < 0, found.class_of_part, found.exclude, found.of_classes, found.hiders, reach
+        return cls(present.copy(), *rows)
 
-    def leaves_out(self, a: Ints, b: Ints) -> Mask:
-        """Which pairs of parts were not looked at, or hidden."""
+    def leaves_out(self, a: Ints, b: Ints, gaps: Floats) -> Mask:
+        """Which findings were not looked for, or hidden: their parts, and their gaps in the earlier check, metres."""
         one, other = self.class_of_part[a], self.class_of_part[b]
         found: Mask = ~(self.present[a] & self.present[b]) | self.skipped[one, other]
+        found |= gaps > self.reach[one, other]
         if len(self.exclude):
             count = len(self.present)
             keys = np.sort(self.exclude.astype(np.int64), axis=1) @ np.array([count, 1])

@@ -35,6 +35,7 @@ from feeler.words import plural
 if TYPE_CHECKING:
     from feeler.clashes.matching import PartMatch
     from feeler.project.book import Book
+    from feeler.project.settings import ClashSettings
 
 _SHOWN_GROUPS = 12
 _SHOWN = 20
@@ -137,7 +138,8 @@ def clash(
     """Finds every pair of parts that overlap, touch, or are too near; classifies them exactly, and measures them.
 
     To try --rules without another check, pass the findings of --save instead of the mock-up. A project instead of the
-    mock-up stands for the mock-up that it names.
+    mock-up stands for the mock-up that it names. With a project, --clearance, --contact and --rules that are not given
+    are those of its last check, also of one in the page.
 
     Exit status: 0 fine, 1 findings that match --fail-on, 2 bad input. Ctrl-C keeps the findings so far, marked as
     partial, and ends with 130.
@@ -146,6 +148,8 @@ def clash(
     from feeler.clashes.changes import check_previous
     from feeler.cli import outputs
     from feeler.io.xlsx import xlsx_library
+    from feeler.project.renaming import Names
+    from feeler.project.settings import settings_changes
 
     named = named_project(mockup, project)
     if named is not None and (previous is not None or _is_saved(mockup)):
@@ -160,6 +164,7 @@ def clash(
         raise OptionError("--growth compares with an earlier check: give --previous, --project or --bcf-in, too")
     wanted = _wanted(fail_on)
     given = None if rules is None else room.Rules.read(rules)
+    kept = None
     before = None if previous is None else room.load_clashes(previous)
     topics = None if bcf_in is None else room.read_bcf(bcf_in)
     is_interrupted = False
@@ -170,6 +175,8 @@ def clash(
         book, work = open_for_writing(context, named, work)
         outputs.check_targets(targets, _ENDINGS, work.sources)
         before = book.clashes()
+        kept = _kept(context, book, clearance, contact, rules)
+        clearance, contact = kept.clearance, "chord" if kept.contact is None else kept.contact
     mockup, without, only = work.sources, work.without, work.only
     if _is_saved(mockup):
         _check_saved(context, targets)
@@ -181,6 +188,9 @@ def clash(
         if book is not None:
             take_mockup(book, world, work)
             before = book.clashes()
+            if kept is not None and given is None:
+                names = Names.of(book.revision(world)) if book.parts() else Names()
+                given = kept.parsed(f"the rules of {named}").renamed(lambda one: names.pattern(one, world.parts))
         if before is not None:
             check_previous(world, before)
         scene = indexed(world, without, only, threads)
@@ -212,7 +222,7 @@ def clash(
         outputs.warn(f"{plural(len(changes.outgrown), 'finding')} approved in {bcf_in} not taken over: deeper now")
     written = _write(world, found, targets, group_by)
     if book is not None:
-        book.write_clashes(found, group_by)
+        book.write_clashes(found, group_by, () if kept is None else settings_changes(book, kept))
         written["project"] = book.path
     is_found = wanted is not None and wanted(found)
     if as_json:
@@ -238,6 +248,26 @@ def clash(
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
+
+
+def _kept(
+    context: typer.Context, book: Book, clearance: float, contact: float | Chord, rules: Path | None
+) -> ClashSettings:
+    """The settings of the check, which the project keeps: those of its last check where an option is not given."""
+    from feeler.io.text import text_of
+    from feeler.project.settings import MOST_RULES, ClashSettings, settings_of
+
+    last = settings_of(book) or ClashSettings()
+    text = last.rules if rules is None else text_of(rules)
+    if len(text) > MOST_RULES:
+        raise OptionError(
+            f"{rules}: a project keeps at most {MOST_RULES:,} characters of rules, and it has {len(text):,}"
+        )
+    return ClashSettings(
+        clearance if _is_given(context, "clearance") else last.clearance,
+        (None if isinstance(contact, str) else contact) if _is_given(context, "contact") else last.contact,
+        text,
+    )
 
 
 def _growth(given: float | None) -> dict[str, float]:

@@ -112,10 +112,10 @@ class Book:
         rows = (self.value(row, "history") for row in self._store.rows("history"))
         return [row for row in rows if isinstance(row, dict) and finding in (None, row.get("id"))]
 
-    def write_clashes(self, clashes: Clashes, by: GroupBy = "part") -> None:
+    def write_clashes(self, clashes: Clashes, by: GroupBy = "part", beside: Iterable[Change] = ()) -> None:
         """Writes the findings of a clash check in place of the previous ones, and each change of a status or note.
 
-        To keep statuses, compare first: `clashes.diff(project.clashes())`.
+        beside: changes to write with them. To keep statuses, compare first: `clashes.diff(project.clashes())`.
         """
         self._check_parts(clashes)
         earlier = list(saving.rows(clashes.earlier()))
@@ -136,7 +136,7 @@ class Book:
             if mark != _NEW:
                 marks[key] = mark
         changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
-        self.write([*changes, *self._of_another_check(head)])
+        self.write([*changes, *self._of_another_check(head), *beside])
 
     def _check_parts(self, clashes: Clashes) -> None:
         """Raises `OptionError` for findings of another mock-up: no part is known by path or by content."""

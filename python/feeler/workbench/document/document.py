@@ -15,6 +15,7 @@ from typing import Any, cast
 
 from feeler.clashes.tracking import NEW, Mark
 from feeler.poses import inverse
+from feeler.project.settings import ClashSettings
 from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.document.joints import JointRange, JointStep, MechanismState
 from feeler.workbench.document.motion import HOME, Row, matrix, row
@@ -316,15 +317,6 @@ class KeptClear:
     b: str
     gap: float
     verdict: Verdict | None = None
-
-
-@dataclass(frozen=True)
-class ClashSettings:
-    """How the next clash check is made: metres, contact None for the chordal errors of both parts; rules as TOML."""
-
-    clearance: float = 0.002
-    contact: float | None = 0.0
-    rules: str = ""
 
 
 @dataclass(frozen=True)

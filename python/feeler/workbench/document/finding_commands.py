@@ -11,16 +11,16 @@ from feeler.arguments import shown
 from feeler.clashes import Rules
 from feeler.errors import FeelerError, LoadError, WorkbenchError
 from feeler.parts import Parts
+from feeler.project.settings import MOST_RULES, ClashSettings
 from feeler.workbench.document import findings
 from feeler.workbench.document.arguments import Arguments, replaced, without
-from feeler.workbench.document.document import ClashSettings, Document, Findings, OwnGroup
+from feeler.workbench.document.document import Document, Findings, OwnGroup
 from feeler.workbench.document.finding_rules import excluded, with_exclusion
 from feeler.workbench.document.finding_table import STATUS
 from feeler.workbench.document.protocol_findings import FindingStatus
 from feeler.workbench.document.values import is_sequence
 
 _MOST_NOTE = 10_000
-MOST_RULES = 400_000
 """Characters of a text of rules."""
 
 

@@ -127,6 +127,13 @@ def changes(before: Document | None, after: Document) -> Iterator[Change]:
             yield put("document", name, 0, encoded(now))
 
 
+def rows_to_drop(rows: Callable[[str], list[Row]], document: Document) -> Iterator[Change]:
+    """The rows of a file whose things the document does not have. rows: of a table."""
+    for name, table in lists().items():
+        there = {row_id(str(each.id)) for each in getattr(document, name)}
+        yield from (drop(table, row.id) for row in rows(table) if row.id not in there)
+
+
 def _list_changes(table: str, before: Sequence[Any], now: Sequence[Any]) -> Iterator[Change]:
     known = {each.id: (place, each) for place, each in enumerate(before)}
     for place, each in enumerate(now):

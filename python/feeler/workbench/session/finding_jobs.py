@@ -112,7 +112,7 @@ def clash(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
         mockup,
         settings.clearance,
         "chord" if settings.contact is None else settings.contact,
-        _tolerant(rules),
+        rules.tolerant(),
         scene=scene,
         threads=threads(),
         progress=lambda share, stage: progress(_CHECKED * share, stage),
@@ -240,15 +240,6 @@ def placed(place: FindingPlace, progress: Progress) -> tuple[Mockup, Scene]:
         mockup = with_places(mockup, moved, place.meshes)
         scene = Scene(mockup, threads=threads()).without(list(document.absent))
     return mockup, scene.without(sorted(gone)) if gone else scene
-
-
-def _tolerant(rules: Rules) -> Rules:
-    """The same rules, whose patterns may match nothing."""
-    return replace(
-        rules,
-        rules=tuple(replace(each, optional=True) for each in rules.rules),
-        exclusions=tuple(replace(each, optional=True) for each in rules.exclusions),
-    )
 
 
 def _tracked(found: Clashes, before: Findings | None, mockup: Mockup) -> tuple[int, Mapping[str, Mark]]:

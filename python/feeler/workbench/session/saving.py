@@ -21,6 +21,7 @@ from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make, ro
 from feeler.project.layout import MOST_ROWS, SUFFIX
 from feeler.project.parts import PartContent, Revision, contents_of, rows_of
 from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
+from feeler.project.settings import FIELD
 from feeler.project.store import Change, drop, put
 from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
@@ -91,8 +92,10 @@ class Saver:
             revision = project.revision(scene.mockup)
             facts = replace(facts, stale=_bounded(revision.stale), gone=_keys(revision.gone))
         self._is_known = revision is None
-        is_known, there = bool(project.rows("document")), None
-        if is_known or project.rows("findings"):
+        fields, there = {row.id for row in project.rows("document")}, None
+        # A clash check of the command line writes its settings and findings alone.
+        is_known = bool(fields - {FIELD})
+        if fields or project.rows("findings"):
             names = Names() if revision is None else Names.of(revision)
             self._renaming = renaming_changes(project, names)
             rows = with_changes(project.rows, self._renaming)
@@ -223,6 +226,9 @@ class Saver:
 
     def _changes(self, target: Document) -> Iterator[Change]:
         before = self._written
+        if before is None:
+            # The file has rows of another revision, with its numbers of parts: those of gone ones are set aside.
+            yield from keeping.rows_to_drop(self._project.rows, target)
         yield from keeping.changes(before, target)
         there = {card.id for card in target.cards if card.state == "done"}
         for card in () if before is None else before.cards:
