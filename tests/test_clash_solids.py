@@ -27,6 +27,13 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
         Verdict.CONTAINED,
         0,
     ),
+    "one solid in both, one on its edge": (joined(SOLID, box((1, 1, 0), (2, 2, 1))), SOLID, Verdict.CONTAINED, 0),
+    "one solid in both, one on its edge, inside out": (
+        inverted(joined(SOLID, box((1, 1, 0), (2, 2, 1)))),
+        SOLID,
+        Verdict.CONTAINED,
+        0,
+    ),
     "a hollow solid in both": (joined(HOLLOW, FAR_A), joined(FAR_B, HOLLOW), Verdict.CONTAINED, 0),
     "one in both, others cross": (
         joined(SOLID, FAR_A),

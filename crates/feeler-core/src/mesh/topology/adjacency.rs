@@ -1,6 +1,8 @@
 //! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Computed once for a
 //! mesh, at the first contact query.
 
+use std::cell::OnceCell;
+
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
@@ -13,7 +15,7 @@ use crate::mesh::topology::closed_shells::{closed_shells, ClosedShell, Surfaces}
 use crate::mesh::topology::convex_bodies::convex_bodies;
 use crate::mesh::topology::crack_stitching::close_cracks;
 use crate::mesh::topology::disjoint_sets::DisjointSets;
-use crate::mesh::topology::edges::{pair_around, take_copies, take_doubles, Corner, Edge, Edges};
+use crate::mesh::topology::edges::{inside_out, pair_around, take_copies, take_doubles, Corner, Edge, Edges};
 use crate::mesh::topology::smooth_regions::{smooth_regions, SmoothRegion};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld_vertices;
@@ -100,7 +102,7 @@ impl Adjacency {
 
     // By reference, so that all of this is compiled once: it is 30 kB of code.
     fn without_regions(mesh: &Mesh, part_of_face: &dyn Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
-        let mut joined = Joined::new(mesh);
+        let mut joined = Joined::new(mesh, part_of_face, bounds);
         let (unique, welded) = weld_vertices(mesh.vertices());
         let corners = |t: u32| mesh.faces()[t as usize].map(|v| welded[v as usize]);
         let mut by_part: Vec<(u32, Edge)> = Vec::new();
@@ -115,7 +117,7 @@ impl Adjacency {
                 joined.join(same.iter().map(|(_, edge)| (*edge, third(edge))), false);
             }
         }
-        joined.close_gaps((&unique, corners), part_of_face, bounds);
+        joined.close_gaps((&unique, corners));
         let Joined { neighbours, mut closed, mut copies, torn, has_cracks, has_loose_seams, .. } = joined;
         copies.sort_unstable();
         let mut torn_parts: Vec<u32> = torn.into_iter().map(part_of_face).collect();
@@ -342,6 +344,11 @@ fn centre_of_area(mesh: &Mesh) -> Point {
 /// The adjacency so far, while edges are matched.
 struct Joined<'a> {
     mesh: &'a Mesh,
+    part_of_face: &'a dyn Fn(u32) -> u32,
+    /// Around each part.
+    bounds: &'a [Aabb],
+    /// For each part whether it is wound inside out as a whole; known once an edge has more than two triangles.
+    inside_out: OnceCell<Vec<bool>>,
     neighbours: Vec<[u32; 3]>,
     /// For each triangle whether all its edges are closed so far; an open one opens its whole surface.
     closed: Vec<bool>,
@@ -357,11 +364,14 @@ struct Joined<'a> {
     same: Vec<(Edge, Corner)>,
 }
 
-impl Joined<'_> {
-    fn new(mesh: &Mesh) -> Joined<'_> {
+impl<'a> Joined<'a> {
+    fn new(mesh: &'a Mesh, part_of_face: &'a dyn Fn(u32) -> u32, bounds: &'a [Aabb]) -> Joined<'a> {
         let count = mesh.faces().len();
         Joined {
             mesh,
+            part_of_face,
+            bounds,
+            inside_out: OnceCell::new(),
             neighbours: vec![[NONE; 3]; count],
             closed: vec![true; count],
             border: Vec::new(),
@@ -425,7 +435,9 @@ impl Joined<'_> {
 
     fn pair(&mut self, some: &[(Edge, Corner)]) {
         let edges: Vec<Edge> = some.iter().map(|(edge, _)| *edge).collect();
-        for [i, j] in pair_around(self.mesh, &edges) {
+        let part = edges.first().map_or(0, |edge| (self.part_of_face)(edge.triangle));
+        let inside_out = self.inside_out.get_or_init(|| inside_out(self.mesh, self.part_of_face, self.bounds));
+        for [i, j] in pair_around(self.mesh, &edges, inside_out.get(part as usize) == Some(&true)) {
             self.link(&edges[i], &edges[j]);
         }
     }
@@ -442,12 +454,8 @@ impl Joined<'_> {
 
     /// Links half-edges without a partner by ends that nearly coincide, then across cracks; what is left is open. An edge whose own ends
     /// coincide opens nothing. In large parts of loose triangles cracks are not sought. `places` are the corners' positions by number.
-    fn close_gaps(
-        &mut self,
-        (places, corners): (&[Point], impl Fn(u32) -> [Corner; 3]),
-        part_of_face: impl Fn(u32) -> u32,
-        bounds: &[Aabb],
-    ) {
+    fn close_gaps(&mut self, (places, corners): (&[Point], impl Fn(u32) -> [Corner; 3])) {
+        let (part_of_face, bounds) = (self.part_of_face, self.bounds);
         let part_of = |edge: &Edge| part_of_face(edge.triangle);
         let mut tried = std::mem::take(&mut self.border);
         tried.sort_by_key(part_of);
@@ -471,7 +479,7 @@ impl Joined<'_> {
         let (mut border, mut left): (Vec<Edge>, Vec<Edge>) =
             std::mem::take(&mut self.border).into_iter().partition(is_tried);
         self.has_cracks =
-            close_cracks(self.mesh, &self.closed, &mut self.neighbours, &mut border, &part_of_face, bounds);
+            close_cracks(self.mesh, &self.closed, &mut self.neighbours, &mut border, part_of_face, bounds);
         left.append(&mut border);
         left.iter().for_each(|edge| self.tear(edge));
     }

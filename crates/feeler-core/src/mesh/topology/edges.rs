@@ -1,8 +1,8 @@
 //! The edges of a mesh's triangles, and which of several triangles at an edge are neighbours.
 
 use crate::constants::SAME_ANGLE;
-use crate::geometry::bounds::Point;
-use crate::geometry::vectors::{cross, dot, sub, unit};
+use crate::geometry::bounds::{Aabb, Point};
+use crate::geometry::vectors::{add, cross, dot, scaled, sub, unit};
 use crate::mesh::triangle_mesh::Mesh;
 
 /// A half-edge: an edge as one triangle has it. Its lower end, the one with the smaller number, is known from where it is listed.
@@ -75,8 +75,8 @@ impl Edges {
 /// sheet.
 ///
 /// Around the edge, a solid ends at a triangle that runs up, whose normal is a quarter turn further, and begins at one that runs
-/// down. So pairs match like brackets.
-pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
+/// down. So pairs match like brackets. `inside_out`: the triangles look into their solids.
+pub fn pair_around(mesh: &Mesh, same: &[Edge], inside_out: bool) -> Vec<[usize; 2]> {
     let Some(first) = same.first() else { return Vec::new() };
     let lowest_first = |edge: &Edge| {
         let [from, to, third] = edge.corners(mesh);
@@ -97,8 +97,21 @@ pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
         let spoke = sub(&third, &from);
         dot(&spoke, &y).atan2(dot(&spoke, &x))
     };
-    let around: Vec<(f64, bool)> = same.iter().map(|edge| (angle(edge), !edge.up)).collect();
+    let around: Vec<(f64, bool)> = same.iter().map(|edge| (angle(edge), edge.up == inside_out)).collect();
     wedges(&around, SAME_ANGLE)
+}
+
+/// For each part whether it is wound inside out as a whole: its signed volume is negative.
+pub fn inside_out(mesh: &Mesh, part_of_face: &dyn Fn(u32) -> u32, bounds: &[Aabb]) -> Vec<bool> {
+    let middle = |bounds: &Aabb| scaled(&add(&bounds.lower, &bounds.upper), 0.5);
+    let middles: Vec<Point> = bounds.iter().map(middle).collect();
+    let mut volumes = vec![0.0; bounds.len()];
+    for t in mesh.queried() {
+        let part = part_of_face(t) as usize;
+        let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &middles[part]));
+        volumes[part] += dot(&a, &cross(&b, &c));
+    }
+    volumes.into_iter().map(|volume| volume < 0.0).collect()
 }
 
 /// Pairs the faces around an edge that bound a wedge of one solid, where it begins and where it ends; pairs are indices into the list,
@@ -178,7 +191,7 @@ mod tests {
 
     fn pairs(fan: &[(f64, bool)]) -> Vec<[usize; 2]> {
         let (mesh, edges) = around(fan);
-        let mut pairs = pair_around(&mesh, &edges);
+        let mut pairs = pair_around(&mesh, &edges, false);
         pairs.iter_mut().for_each(|pair| pair.sort_unstable());
         pairs.sort_unstable();
         pairs
@@ -203,7 +216,13 @@ mod tests {
                 [[0, 1], [2, 3]]
             );
         }
-        assert!(pair_around(&around(&[(0.0, true)]).0, &[]).is_empty());
+        assert!(pair_around(&around(&[(0.0, true)]).0, &[], false).is_empty());
+        // Inside out.
+        let (mesh, edges) = around(&[(10.0, true), (80.0, false), (100.0, true), (200.0, false)]);
+        let mut found = pair_around(&mesh, &edges, true);
+        found.iter_mut().for_each(|pair| pair.sort_unstable());
+        found.sort_unstable();
+        assert_eq!(found, [[0, 1], [2, 3]]);
     }
 
     #[test]
