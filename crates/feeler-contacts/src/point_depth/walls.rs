@@ -190,8 +190,36 @@ fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
     match (p, q) {
         (Some(p), Some(q)) if length(&sub(&p, &q)) > least => Some(scaled(&add(&p, &q), 0.5)),
         (Some(p), None) | (None, Some(p)) => Some(p),
-        _ => None,
+        (Some(_), Some(_)) => None,
+        (None, None) => middle_of_crossing(t, u, least),
     }
+}
+
+/// The middle of the segment in which two triangles cross, where it lies inside of both: its ends may be on the border of both.
+fn middle_of_crossing(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
+    let (m, n) = (precise_normal(t)?, precise_normal(u)?);
+    let line = unit(&cross(&m, &n))?;
+    // Where a triangle goes through the plane of the other, by more than rounding to both sides.
+    let ends = |t: &Triangle, u: &Triangle, n: &Point| {
+        let heights = t.map(|p| dot(n, &sub(&p, &u[0])));
+        let (low, high) = heights.iter().fold((0.0f64, 0.0f64), |(low, high), h| (low.min(*h), high.max(*h)));
+        if low >= -least || high <= least {
+            return None;
+        }
+        let through = (0..3).filter_map(|i| {
+            let (h, k) = (heights[i], heights[(i + 1) % 3]);
+            (h * k <= 0.0 && h != k).then(|| along(&t[i], h / (h - k), &sub(&t[(i + 1) % 3], &t[i])))
+        });
+        let mut through: Vec<Point> = through.collect();
+        through.sort_by(|p, q| dot(p, &line).total_cmp(&dot(q, &line)));
+        Some([*through.first()?, *through.last()?])
+    };
+    let ([a, b], [c, d]) = (ends(t, u, &n)?, ends(u, t, &m)?);
+    let latest = if dot(&a, &line) > dot(&c, &line) { a } else { c };
+    let earliest = if dot(&b, &line) < dot(&d, &line) { b } else { d };
+    let middle = scaled(&add(&latest, &earliest), 0.5);
+    let is_long = dot(&sub(&earliest, &latest), &line) > least;
+    (is_long && is_within(&middle, t, &m, least) && is_within(&middle, u, &n, least)).then_some(middle)
 }
 
 /// Where a segment goes through a triangle, no nearer to its border than `inset` (metres).
@@ -203,11 +231,15 @@ fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
     }
     let s = h / (h - k);
     let at: Point = std::array::from_fn(|a| p[a] + s * (q[a] - p[a]));
-    let is_in = (0..3).all(|i| {
+    is_within(&at, t, &n, inset).then_some(at)
+}
+
+/// Whether a point of the plane of a triangle is in it, no nearer to its border than `inset` (metres).
+fn is_within(at: &Point, t: &Triangle, n: &Point, inset: f64) -> bool {
+    (0..3).all(|i| {
         let side = sub(&t[(i + 1) % 3], &t[i]);
-        dot(&cross(&n, &side), &sub(&at, &t[i])) >= inset * length(&side)
-    });
-    is_in.then_some(at)
+        dot(&cross(n, &side), &sub(at, &t[i])) >= inset * length(&side)
+    })
 }
 
 #[cfg(test)]
@@ -236,6 +268,22 @@ mod tests {
         // A rod through it, as thick as it and thinner; and one that ends in its middle.
         assert!(are_crossing(plate, |cells| block([0.1, 0.1, -1.0], [0.2, 0.2, 1.0], cells)));
         assert!(are_crossing(plate, |cells| block([0.1, 0.1, -1.0], [0.15, 0.16, 1.0], cells)));
+    }
+
+    #[test]
+    fn plates_that_end_flush_and_share_their_middle_cross() {
+        // The diagonals of their faces cross in both, and their ends lie on each other.
+        let plate = |cells| block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], cells);
+        assert!(are_crossing(plate, |cells| block([-1.0, -0.05, -1.0], [1.0, 0.05, 1.0], cells)));
+        let one = body(plate(1));
+        for turn in [0.0f64, 0.3, 0.5] {
+            let m = [[1.0, 0.0, 0.0], [0.0, turn.cos(), -turn.sin()], [0.0, turn.sin(), turn.cos()]];
+            let (vertices, faces) = block([-1.0, -0.05, -1.0], [1.0, 0.05, 1.0], 1);
+            let across = vertices.iter().map(|p| m.map(|row| dot(&row, p))).collect();
+            assert!(are_walls_clashing([&one, &body((across, faces))], 1.0), "{turn}");
+        }
+        // One stands on the other.
+        assert!(!are_crossing(plate, |cells| block([-1.0, -0.05, 0.05], [1.0, 0.05, 1.0], cells)));
     }
 
     #[test]
