@@ -146,7 +146,8 @@ class Containment:
 class PathCheck:
     """The first impact of a tool on each segment of a path, from one pose to the next.
 
-    Its length is the number of segments, one less than poses; a path of one pose has one segment without motion.
+    True if the path is free. Its rows are the segments, one less than poses: `check[i]` is the `Cast` of segment `i`,
+    None if it is free. A path of one pose has one segment without motion.
     """
 
     @property
@@ -192,7 +193,13 @@ class PathCheck:
     @property
     def first(self) -> Cast | None:
         """The impact of the first segment that has one: `segments[0]`."""
+    def __bool__(self) -> bool: ...
     def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> Cast | None: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[Cast | None]: ...
+    def __iter__(self) -> Iterator[Cast | None]: ...
 
 @final
 class ClearanceAlong:
@@ -231,7 +238,6 @@ class ClearanceAlong:
     @property
     def uppers(self) -> npt.NDArray[np.float64]:
         """`(n,)`: metres; in the middle of the span the gap is not more."""
-    def __len__(self) -> int: ...
 
 @final
 class Impact:

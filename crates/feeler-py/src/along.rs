@@ -111,10 +111,6 @@ impl ClearanceAlong {
         self.column(py, |span| span[3])
     }
 
-    fn __len__(&self) -> usize {
-        self.spans.len()
-    }
-
     fn __repr__(&self) -> String {
         format!("ClearanceAlong({:?} to {:?} m at {:?})", self.bounds[0], self.bounds[1], self.bounds[2])
     }
