@@ -288,7 +288,7 @@ ROOMS: dict[str, set[str]] = {
     # What users annotate with: it only imports.
     "types": {
         *(*BASE, "clashes", "figures", "haptics", "ignored", "interchange", "io", "mechanism", "parts", "picture"),
-        *("plan", "requirements", "tasks", "workbench"),
+        *("plan", "project", "requirements", "tasks", "workbench"),
     },
     "enumerations": {"arguments", "errors"},
     "arguments": {"errors", "progress"},

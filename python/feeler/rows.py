@@ -5,13 +5,15 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
-from typing_extensions import Self
 
 from feeler.field_docs import documented
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Row = TypeVar("Row")
 

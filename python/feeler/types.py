@@ -62,6 +62,7 @@ from feeler.picture.collision import Hits
 from feeler.plan.reaching import Hand
 from feeler.poses import HasMatrix, PoseLike, PosesLike
 from feeler.progress import Progress
+from feeler.project.rows import FindingChange, FindingRow, ProjectDocument
 from feeler.requirements import RequirementsLike
 from feeler.source import Source
 from feeler.tasks.listed import MaintainParts
@@ -92,6 +93,8 @@ __all__ = [
     "Exclude",
     "FastenerKind",
     "Fault",
+    "FindingChange",
+    "FindingRow",
     "FindingStatus",
     "Geometry",
     "GivenWay",
@@ -121,6 +124,7 @@ __all__ = [
     "PoseLike",
     "PosesLike",
     "Progress",
+    "ProjectDocument",
     "ProxyMode",
     "Recorder",
     "RequirementResult",
