@@ -74,6 +74,11 @@ def test_help_lists_the_commands_and_each_has_examples() -> None:
         assert "--json" in text or command == "mcp", "whose answers are JSON"
 
 
+@pytest.mark.parametrize("words", [[], ["study"], *([name] for name in COMMANDS), ["study", "filters"]], ids=" ".join)
+def test_help_has_no_types_of_python(words: list[str]) -> None:
+    assert re.findall(r"<\w+[^>]*>|\blist\[|\bbool\b", run(*words, "--help").stdout) == []
+
+
 @pytest.mark.parametrize("words", [["--help"], ["--version"], ["collide", "--help"]])
 def test_help_loads_nothing_that_only_work_needs(words: list[str]) -> None:
     # What is imported is what a user waits for before the first word.
