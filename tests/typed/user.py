@@ -45,7 +45,7 @@ Known = tuple[
 
 
 def reached_by(hand: Hand) -> feeler.Access:
-    return feeler.access(scene, tool, hand=hand)
+    return feeler.access(scene, tool, feeler.find_fasteners(mockup), hand=hand)
 
 
 def verified(limits: RequirementsLike, start: PoseLike) -> bool:
