@@ -215,6 +215,9 @@ class ClearanceAlong:
     def fraction(self) -> float:
         """The place of `upper`, as a fraction of the motion, 0 to 1."""
     @property
+    def share(self) -> float:
+        """An older name of `fraction`."""
+    @property
     def pose(self) -> npt.NDArray[np.float64]:
         """`(4, 4)`: world_from_tool at `fraction`."""
     @property
@@ -232,6 +235,9 @@ class ClearanceAlong:
     @property
     def fractions(self) -> npt.NDArray[np.float64]:
         """`(n,)`: the middles of the spans of the curve, as fractions of the motion."""
+    @property
+    def shares(self) -> npt.NDArray[np.float64]:
+        """An older name of `fractions`."""
     @property
     def lowers(self) -> npt.NDArray[np.float64]:
         """`(n,)`: metres; nowhere in the span is the gap less."""

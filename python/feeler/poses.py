@@ -44,6 +44,7 @@ MAX_DEVIATION = 0.01
 """The most that `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
 
 _RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: nothing to repair
+_FARTHEST = 1e100  # the largest entry of a pose of a query
 QUERY_DEVIATION = 1e-6
 """The most by which the pose of a query may be not rigid."""
 _LEAST_RANK = 1e-9  # second to first singular value; below it all rows are on one line and define no rotation
@@ -176,6 +177,13 @@ def nearest_rigid(pose: PoseLike | PosesLike, max_deviation: float = MAX_DEVIATI
     repaired[:, 3] = 0.0, 0.0, 0.0, 1.0
     shaped: Floats = repaired.reshape(given.shape)
     return shaped
+
+
+def not_rigid(poses: Floats) -> int | None:
+    """The index of the first of these poses, `(n, 4, 4)`, that queries refuse; None if they take all."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        is_rigid = (_deviation(poses) <= QUERY_DEVIATION) & (np.abs(poses) <= _FARTHEST).all(axis=(1, 2))
+    return None if is_rigid.all() else int(np.argmin(is_rigid))
 
 
 def placed(points: Floats, place: PoseLike, what: str) -> Floats:

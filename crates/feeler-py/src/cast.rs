@@ -314,6 +314,6 @@ impl PathCheck {
     }
 }
 
-fn warn_of_old_name(py: Python<'_>, what: &std::ffi::CStr) -> PyResult<()> {
+pub fn warn_of_old_name(py: Python<'_>, what: &std::ffi::CStr) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyDeprecationWarning>(), what, 1)
 }

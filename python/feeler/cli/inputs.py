@@ -34,7 +34,7 @@ from feeler.errors import LoadError, MissingFileError, OptionError, PoseError
 from feeler.io.axes import parse_axis
 from feeler.io.text import decoded, name_text, numbers_of, text_of
 from feeler.io.units import parse_name
-from feeler.poses import rotation_xyz
+from feeler.poses import not_rigid, one_pose, rotation_xyz
 from feeler.progress import Progress, bar
 
 Triple = tuple[float, float, float]
@@ -389,18 +389,17 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
         raise PoseError(f"pose file {path} holds an array of shape {poses.shape}; {_EXPECTED}")
     if len(poses) == 0:
         raise PoseError(f"pose file {path} holds no pose; {_EXPECTED}")
-    if snap:
-        try:
+    with _of_pose_file(path):
+        if snap:
             return feeler.nearest_rigid(poses)
-        except PoseError as error:
-            raise PoseError(f"pose file {path}: {error}") from None
+        _check_rigid(poses, "poses[{}]: " if len(poses) > 1 else "")
     return poses
 
 
 def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Screw]:
     """A path as `Scene.check_path` takes it: as `read_poses`, or the legs of a way, screws among them, from JSON.
 
-    Raises the errors of `read_poses`, and `OptionError` for an invalid screw.
+    Raises the errors of `read_poses`.
     """
     legs = None
     if path.suffix.lower() == ".json" and os.path.isfile(path):
@@ -410,14 +409,41 @@ def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Scr
             if legs is not None:
                 from feeler.plan.legs import path_of_json
 
-                way = path_of_json(legs)
+                with _of_pose_file(path):
+                    way = path_of_json(legs)
         except LoadError as error:
             raise PoseError(f"pose file {error}") from None
         except (ValueError, TypeError, RecursionError) as error:
             raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
     if legs is None:
         return read_poses(path, snap)
-    return [feeler.nearest_rigid(each) if snap and isinstance(each, np.ndarray) else each for each in way]
+    with _of_pose_file(path):
+        if snap:
+            return [feeler.nearest_rigid(each) if isinstance(each, np.ndarray) else each for each in way]
+        for number, each in enumerate(way[1:]):
+            if isinstance(each, np.ndarray):
+                _check_rigid(one_pose(each)[None], f"legs[{number}]: ")
+    return way
+
+
+def _check_rigid(poses: Poses, which: str) -> None:
+    """Checks the poses as queries do, and in their words. which: before these, with the index. Raises `PoseError`."""
+    bad = not_rigid(poses)
+    if bad is None:
+        return
+    try:
+        feeler.Slide((0.0, 0.0, 1.0)).at(poses[bad], 0.0)
+    except PoseError as error:
+        raise PoseError(f"{which.format(bad)}{error}") from None
+
+
+@contextlib.contextmanager
+def _of_pose_file(path: Path) -> Iterator[None]:
+    """Puts the file in front of errors about what is in it."""
+    try:
+        yield
+    except (PoseError, OptionError) as error:
+        raise PoseError(f"pose file {path}: {error}") from None
 
 
 _EXPECTED = "a pose is 4 by 4 numbers, world_from_tool, metres, row by row; several are (n, 4, 4)"
