@@ -615,3 +615,33 @@ def test_bad_arguments_of_a_view_are_refused_too(name: str, view: View, tmp_path
     needed = [each.name for each in inspect.signature(method).parameters.values() if each.default is each.empty]
     arguments = {each: VIEW_ARGUMENTS[each] for each in needed}
     assert swept(lambda: (method, arguments)) == []
+
+
+def masked(values: Any) -> Any:
+    """The same numbers, of which the first is masked."""
+    numbers = np.asarray(values)
+    mask = np.zeros(numbers.shape, dtype=bool)
+    mask.flat[0] = True
+    return np.ma.masked_array(numbers, mask)
+
+
+MASKED = {
+    "vertices": lambda s, t: feeler.Mockup(masked(TRIANGLE), [[0, 1, 2]]),
+    "faces": lambda s, t: feeler.Tool(TRIANGLE, masked([[0, 1, 2]])),
+    "a pose": lambda s, t: s.is_colliding(t, masked(np.eye(4))),
+    "whole numbers as a pose": lambda s, t: s.is_colliding(t, masked(np.eye(4, dtype=int))),
+    "poses": lambda s, t: s.collide_batch(t, masked(np.eye(4)[None])),
+    "a list of poses": lambda s, t: s.collide_batch(t, [masked(np.eye(4))]),
+    "a pose to repair": lambda s, t: feeler.nearest_rigid(masked(np.eye(4))),
+    "origins": lambda s, t: s.rays(masked([[0.0, 0, 9]]), [[0, 0, -1.0]]),
+    "parts": lambda s, t: s.only(masked([True])),
+}
+TRIANGLE = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+@pytest.mark.parametrize("what", list(MASKED))
+def test_masked_entries_are_no_numbers(what: str) -> None:
+    scene, tool = feeler.Scene(feeler.Mockup(TRIANGLE, [[0, 1, 2]])), feeler.Tool(TRIANGLE, [[0, 1, 2]])
+    with pytest.raises(feeler.FeelerError, match=r"masked entries: leave them out, or fill them"):
+        MASKED[what](scene, tool)
+    assert scene.is_colliding(tool, np.ma.masked_array(np.eye(4))), "nothing is masked"

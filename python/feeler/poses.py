@@ -9,7 +9,7 @@ from typing import Any, Protocol, cast, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_number, shown
+from feeler.arguments import check_number, shown, unmasked
 from feeler.errors import PoseError
 
 Floats = npt.NDArray[np.float64]
@@ -73,6 +73,7 @@ def plain(pose: object) -> object:
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = turn, shift
         return matrix
+    refuse_masked("a pose", pose)
     return pose if isinstance(pose, np.ndarray) or not hasattr(pose, "as_matrix") else pose.as_matrix()
 
 
@@ -113,8 +114,14 @@ def one_pose(pose: PoseLike, name: str = "a pose") -> Floats:
     return matrix
 
 
+def refuse_masked(name: str, values: object) -> None:
+    """Raises `PoseError` for poses with masked entries."""
+    unmasked(name, values, PoseError)
+
+
 def _read(values: object, name: str, give: str) -> npt.NDArray[Any]:
     """As an array, without NumPy's own words for what it cannot read."""
+    refuse_masked(name, values)
     try:
         return np.asarray(values)
     except (ValueError, TypeError) as error:
