@@ -199,7 +199,7 @@ pub fn pose_of(matrix: &ArrayView2<'_, f64>) -> core::Result<core::Pose> {
 
 /// Whether it is an array of NumPy's own class. Others may hide some of their entries, as masked arrays do.
 fn is_plain(object: &Bound<'_, PyAny>) -> bool {
-    object.get_type().is(&object.py().get_type::<PyUntypedArray>())
+    object.get_type().is(object.py().get_type::<PyUntypedArray>())
 }
 
 /// An array of float64 as it is, anything else as NumPy converts it.
