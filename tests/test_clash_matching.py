@@ -451,7 +451,7 @@ def test_content_does_not_depend_on_the_order_of_triangles_and_vertices() -> Non
     one, two = shapes_of(mockup), shapes_of(other)
     for name in ("content", "box", "middle", "area"):
         assert (getattr(one, name) == getattr(two, name)).all(), name
-    assert len(set(one.content.tolist())) == len(one) - 1, "two boxes are the same, in one place"
+    assert len(set(one.content.tolist())) == len(one.keys) - 1, "two boxes are the same, in one place"
 
 
 def test_shapes_are_those_of_closed_forms() -> None:

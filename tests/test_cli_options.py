@@ -151,6 +151,20 @@ def test_lengths_have_units(text: str, metres: float) -> None:
 
 
 @pytest.mark.usefixtures("files")
+@pytest.mark.parametrize("text", ["1,000", "1,000mm", "-12,345 m"])
+def test_a_comma_that_may_group_thousands_is_refused(text: str) -> None:
+    said = error_of("clearance", *MOVING, "--at", "0,0,3", f"--require={text}")
+    number = text.rstrip(" m")
+    assert f"give {number.replace(',', '')} or {number.replace(',', '.')}" in said
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(("text", "metres"), [("0,005", 0.005), ("1,5", 1.5), ("1,0000", 1.0), ("1000", 1000.0)])
+def test_other_commas_begin_decimals(text: str, metres: float) -> None:
+    assert run_json("clearance", *MOVING, "--at", "0,0,3", "--within", text)["within_m"] == metres
+
+
+@pytest.mark.usefixtures("files")
 @pytest.mark.parametrize(
     ("text", "place"),
     [

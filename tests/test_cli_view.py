@@ -134,6 +134,37 @@ def test_a_file_that_fails_says_why_in_the_page_and_on_stderr(tmp_path: Path) ->
     assert "bad.stl" in said[0] and said[0].count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["none.glb"], "none.glb: there is no such file or folder"),
+        (["here.stl", "none.stl"], "none.stl: there is no such file or folder"),
+        (["here.stl", "--tool", "none.stl"], "none.stl: there is no such file or folder"),
+        (["none.stl", "--project", "new.feelproj"], "none.stl: there is no such file or folder"),
+        (["empty"], "the folder holds no mesh file"),
+        (["house.ifc"], "house.ifc"),
+        (["sample:engin"], "engin"),
+        (["sample:engine:x"], "triangles is 'x'"),
+        (["sample:engine", "--tool", "sample:wrenhc"], "wrenhc"),
+    ],
+    ids=" ".join,
+)
+def test_what_is_not_there_ends_it_before_the_page_opens(
+    words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("empty").mkdir()
+    Path("here.stl").write_text("solid a\nendsolid a\n")
+    Path("house.ifc").write_text("ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n")
+
+    def started(*_: object, **__: object) -> None:
+        raise AssertionError("a server was made")
+
+    monkeypatch.setattr("feeler.workbench.net.server.Server.__init__", started)
+    assert said in error_of("view", "--no-browser", *words)
+    assert not Path("new.feelproj").exists()
+
+
 def test_ctrl_c_does_not_wait_for_what_loads(tmp_path: Path) -> None:
     with viewed(tmp_path, "sample:engine:1600000") as (url, _):
         assert fetch(url, "/")[0] == 200

@@ -72,7 +72,8 @@ def test_help_names_the_fields_of_a_result(kind: type[Any]) -> None:
 
 def test_help_has_the_texts_of_fields_with_shapes_and_units() -> None:
     said = " ".join((feeler.Reach.__doc__ or "").split())
-    assert said.startswith("The result for one target.") and "pose: `(4, 4)` world_from_tool" in said
+    assert said.startswith("The result for one target; true if it is reachable.")
+    assert "pose: `(4, 4)` world_from_tool" in said
     assert "is_found:" in (feeler.Task.__doc__ or ""), "fields of the class that it is made of"
 
 

@@ -38,18 +38,19 @@ BAD: list[object] = [
 MADE_BY_FEELER = {
     feeler.Access, feeler.Batch, feeler.Blocker, feeler.Cast, feeler.Certificate, feeler.Clash, feeler.Clashes,
     feeler.Clearance, feeler.ClearanceAlong, feeler.ClearanceBatch,
-    feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment,
+    feeler.Collision, feeler.ContactPlane, feeler.Contacts, feeler.Containment, feeler.Depth,
     feeler.Depths, feeler.Distance, feeler.DistanceBatch, feeler.Fastener, feeler.Packed, feeler.PackedPiece,
     feeler.JointKind, feeler.MechanismClashes, feeler.MechanismClearance, feeler.MechanismContact,
     feeler.ToolSpec, feeler.TriedTool, feeler.Opening, feeler.OpeningFit, feeler.OpeningLimit,
     feeler.Hold, feeler.Task, feeler.TaskStep, feeler.TaskBlocker, feeler.MechanismSeat, feeler.Seen, feeler.Range,
     feeler.Maintenance, feeler.MaintainRow, feeler.MaintainChange,
-    feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.Rays, feeler.Reach, feeler.Removal,
+    feeler.PairKind, feeler.PathCheck, feeler.Penetration, feeler.RayHit, feeler.Rays, feeler.Reach, feeler.Removal,
     feeler.PartsRemoval, feeler.Removals, feeler.PartChanges, feeler.Project,
     feeler.RemovalBlocker, feeler.RemovalLeg, feeler.RemovalOrder, feeler.RemovalStep, feeler.SectionOutline,
     feeler.Verdict, feeler.Verified,
-    feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Planes, haptics.Seat,
-    haptics.Start, haptics.Statistics, haptics.Step, haptics.Trace, haptics.View, devices.Device, devices.Opened,
+    feeler.View, haptics.Distribution, haptics.Granted, haptics.Parted, haptics.Plane, haptics.Planes, haptics.Seat,
+    haptics.Start, haptics.Statistics, haptics.Step, haptics.Tick, haptics.Trace, haptics.View, devices.Device,
+    devices.Opened,
     clashes.BcfChanges, clashes.Comment, clashes.Topic,
     clashes.Changes, clashes.Group, clashes.Facts, clashes.PartMatch, feeler.Defect, feeler.LoadReport, feeler.Part,
     feeler.Parts, feeler.Source, samples.Body, samples.Fastener, samples.Fault, samples.Fit, samples.Joint,
@@ -614,3 +615,33 @@ def test_bad_arguments_of_a_view_are_refused_too(name: str, view: View, tmp_path
     needed = [each.name for each in inspect.signature(method).parameters.values() if each.default is each.empty]
     arguments = {each: VIEW_ARGUMENTS[each] for each in needed}
     assert swept(lambda: (method, arguments)) == []
+
+
+def masked(values: Any) -> Any:
+    """The same numbers, of which the first is masked."""
+    numbers = np.asarray(values)
+    mask = np.zeros(numbers.shape, dtype=bool)
+    mask.flat[0] = True
+    return np.ma.masked_array(numbers, mask)
+
+
+MASKED = {
+    "vertices": lambda s, t: feeler.Mockup(masked(TRIANGLE), [[0, 1, 2]]),
+    "faces": lambda s, t: feeler.Tool(TRIANGLE, masked([[0, 1, 2]])),
+    "a pose": lambda s, t: s.is_colliding(t, masked(np.eye(4))),
+    "whole numbers as a pose": lambda s, t: s.is_colliding(t, masked(np.eye(4, dtype=int))),
+    "poses": lambda s, t: s.collide_batch(t, masked(np.eye(4)[None])),
+    "a list of poses": lambda s, t: s.collide_batch(t, [masked(np.eye(4))]),
+    "a pose to repair": lambda s, t: feeler.nearest_rigid(masked(np.eye(4))),
+    "origins": lambda s, t: s.rays(masked([[0.0, 0, 9]]), [[0, 0, -1.0]]),
+    "parts": lambda s, t: s.only(masked([True])),
+}
+TRIANGLE = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+@pytest.mark.parametrize("what", list(MASKED))
+def test_masked_entries_are_no_numbers(what: str) -> None:
+    scene, tool = feeler.Scene(feeler.Mockup(TRIANGLE, [[0, 1, 2]])), feeler.Tool(TRIANGLE, [[0, 1, 2]])
+    with pytest.raises(feeler.FeelerError, match=r"masked entries: leave them out, or fill them"):
+        MASKED[what](scene, tool)
+    assert scene.is_colliding(tool, np.ma.masked_array(np.eye(4))), "nothing is masked"

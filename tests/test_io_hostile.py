@@ -523,6 +523,9 @@ def test_glb_containers(tmp_path):
     refuse(save(tmp_path, "a.glb", good[:8] + struct.pack("<I", 2**32 - 1) + good[12:]), "truncated")
     refuse(save(tmp_path, "a.glb", good[:12] + struct.pack("<I", 2**32 - 1) + good[16:]), "chunk")
     refuse(save(tmp_path, "a.glb", good[:16] + b"ABCD" + good[20:]), "JSON chunk")
+    assert load_mockup(save(tmp_path, "a.glb", good + bytes(9))).report.source.doubts == ()
+    (said,) = load_mockup(save(tmp_path, "a.glb", good + good)).report.source.doubts
+    assert f"{len(good):,} bytes follow the end that the GLB states" in said
 
 
 def test_gltf_transform_that_is_not_finite_keeps_its_triangles(tmp_path):

@@ -413,6 +413,7 @@ FRAMES = {
     "zeros": (COLOURS + "\0" * 9000 + "\x1a", ""),
     "another file": (COLOURS + COLOURS.replace("bracket", "lid"), "another STEP file follows"),
     "a text": (COLOURS + "\nmade by hand\n", "a text of 12 bytes follows"),
+    "comments in front": ("/* by x */\n /* it's\n longer" + "x" * 2000 + " */\n" + COLOURS, ""),
     "a blank in the end": (COLOURS.replace("END-ISO-10303-21;", "END-ISO-10303-21 ;\n/* by x */"), ""),
     "the end in a name": (COLOURS.replace("'bracket','bracket'", "'END-ISO-10303-21;','bracket'"), ""),
     "a section with parameters": (COLOURS.replace("DATA;", "DATA ('one',('AP214')) ;"), ""),

@@ -56,6 +56,8 @@ MOVED: dict[str, Callable[[Any], object]] = {
     "Clashes.verdict is now Clashes.verdicts": lambda s: feeler.clash(s.mockup).verdict,
     "Clashes.a is now Clashes.parts_a": lambda s: feeler.clash(s.mockup).a,
     "PathCheck.free is now PathCheck.is_free": lambda s: s.check_path(TOOL, [AWAY]).free,
+    "ClearanceAlong.share is now ClearanceAlong.fraction": lambda s: s.clearance_along(TOOL, AWAY, AWAY).share,
+    "ClearanceAlong.shares is now ClearanceAlong.fractions": lambda s: s.clearance_along(TOOL, AWAY, AWAY).shares,
     "PathCheck.fraction is now PathCheck.fractions": lambda s: s.check_path(TOOL, [AWAY]).fraction,
 }
 

@@ -274,19 +274,21 @@ ROOMS: dict[str, set[str]] = {
     "_core": {"_core_bodies", "_core_motion", "_core_results", "choices", "figures", "poses"},
     "_core_bodies": {"choices", "poses"},  # a share of the stub
     "_core_motion": set(),  # another
-    "_core_results": {"_core_motion", "choices", "figures"},  # another
+    "_core_results": {"_core_motion", "choices", "figures", "rows"},  # another
     "errors": set(),
     "progress": {"errors"},
     "words": set(),
     "choices": set(),
     "figures": {"field_docs"},
+    # Tables of columns as sequences.
+    "rows": {"field_docs"},
     # The texts of fields in docstrings.
     "field_docs": set(),
     "renamed": {"errors"},
     # What users annotate with: it only imports.
     "types": {
         *(*BASE, "clashes", "figures", "haptics", "ignored", "interchange", "io", "mechanism", "parts", "picture"),
-        *("plan", "requirements", "tasks", "workbench"),
+        *("plan", "project", "requirements", "tasks", "workbench"),
     },
     "enumerations": {"arguments", "errors"},
     "arguments": {"errors", "progress"},
@@ -312,7 +314,7 @@ ROOMS: dict[str, set[str]] = {
     "stopping": set(),
     "batches": {"_core", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
-    "depths": {"_core", "field_docs", "words"},
+    "depths": {"_core", "field_docs", "rows", "words"},
     "scene_pickles": {"errors", "travel"},
     "scene": {
         *("_core", "arguments", "atomic", "batches", "calibrate", "choices", "depths", "enumerations", "errors"),
@@ -335,7 +337,7 @@ ROOMS: dict[str, set[str]] = {
     "interchange": {*BASE, "io"},
     # Interfaces of other libraries.
     "compat": {*BASE, "_core"},
-    "haptics": {*BASE, "figures"},
+    "haptics": {*BASE, "figures", "rows"},
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.
@@ -385,6 +387,7 @@ ROOMS: dict[str, set[str]] = {
             "parts",
             "project",
             "requirements",
+            "rows",
             "samples",
             "spreading",
             "study",

@@ -52,8 +52,8 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
                 "ClearanceBatch",
                 "ClearanceAlong",
             ),
-            *("Cast", "PathCheck", "Depths", "Contacts", "ContactPlane", "ContactTracker", "Penetration"),
-            *("Containment", "IgnoredPairs", "Rays", "SectionOutline"),
+            *("Cast", "PathCheck", "Depths", "Depth", "Contacts", "ContactPlane", "ContactTracker", "Penetration"),
+            *("Containment", "IgnoredPairs", "Rays", "RayHit", "SectionOutline"),
         ],
     ),
     "files": (
@@ -120,7 +120,7 @@ REFERENCE: dict[str, tuple[str, list[str]]] = {
             f"haptics.{name}"
             for name in (
                 *("Session", "open_device", "devices", "replay", "Step", "Start", "View", "Seat", "Parted", "Planes"),
-                *("Coupling", "Granted", "Statistics", "Distribution", "Trace"),
+                *("Plane", "Coupling", "Granted", "Statistics", "Distribution", "Trace", "Tick"),
             )
         ],
     ),

@@ -43,7 +43,7 @@ if _typing.TYPE_CHECKING:
         clash_variants,
         load_clashes,
     )
-    from feeler.depths import Depths
+    from feeler.depths import Depth, Depths
     from feeler.errors import (
         DeviceError,
         FeelerError,
@@ -96,6 +96,7 @@ if _typing.TYPE_CHECKING:
     from feeler.poses import nearest_rigid
     from feeler.project import PartChanges, Project, open_project
     from feeler.requirements import Requirement, Verified, read_requirements, verify
+    from feeler.rows import RayHit
     from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
     from feeler.scene import ContactTracker, PairKind, Scene, open_scene, optimal_voxel_size
     from feeler.source import Source
@@ -134,6 +135,7 @@ __all__ = [
     "Contacts",
     "Containment",
     "Defect",
+    "Depth",
     "Depths",
     "DeviceError",
     "Distance",
@@ -181,6 +183,7 @@ __all__ = [
     "Project",
     "ProjectError",
     "Range",
+    "RayHit",
     "Rays",
     "Reach",
     "Removal",
@@ -296,7 +299,7 @@ _HOMES = {
         "clash_variants",
         "load_clashes",
     ),
-    "feeler.depths": ("Depths",),
+    "feeler.depths": ("Depth", "Depths"),
     "feeler.errors": (
         "DeviceError",
         "FeelerError",
@@ -413,6 +416,7 @@ _HOMES = {
         "read_requirements",
         "verify",
     ),
+    "feeler.rows": ("RayHit",),
     "feeler.samples": (
         "sample",
         "sample_path",

@@ -146,7 +146,8 @@ class Containment:
 class PathCheck:
     """The first impact of a tool on each segment of a path, from one pose to the next.
 
-    Its length is the number of segments, one less than poses; a path of one pose has one segment without motion.
+    True if the path is free. Its rows are the segments, one less than poses: `check[i]` is the `Cast` of segment `i`,
+    None if it is free. A path of one pose has one segment without motion.
     """
 
     @property
@@ -192,7 +193,13 @@ class PathCheck:
     @property
     def first(self) -> Cast | None:
         """The impact of the first segment that has one: `segments[0]`."""
+    def __bool__(self) -> bool: ...
     def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> Cast | None: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[Cast | None]: ...
+    def __iter__(self) -> Iterator[Cast | None]: ...
 
 @final
 class ClearanceAlong:
@@ -207,6 +214,9 @@ class ClearanceAlong:
     @property
     def fraction(self) -> float:
         """The place of `upper`, as a fraction of the motion, 0 to 1."""
+    @property
+    def share(self) -> float:
+        """An older name of `fraction`."""
     @property
     def pose(self) -> npt.NDArray[np.float64]:
         """`(4, 4)`: world_from_tool at `fraction`."""
@@ -226,12 +236,14 @@ class ClearanceAlong:
     def fractions(self) -> npt.NDArray[np.float64]:
         """`(n,)`: the middles of the spans of the curve, as fractions of the motion."""
     @property
+    def shares(self) -> npt.NDArray[np.float64]:
+        """An older name of `fractions`."""
+    @property
     def lowers(self) -> npt.NDArray[np.float64]:
         """`(n,)`: metres; nowhere in the span is the gap less."""
     @property
     def uppers(self) -> npt.NDArray[np.float64]:
         """`(n,)`: metres; in the middle of the span the gap is not more."""
-    def __len__(self) -> int: ...
 
 @final
 class Impact:

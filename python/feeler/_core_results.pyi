@@ -10,10 +10,14 @@ from typing_extensions import Self
 from feeler._core_motion import Impact, Screw
 from feeler.choices import ProxyMode, SeatKind
 from feeler.figures import CollisionStats
+from feeler.rows import RayHit
 
 @final
 class Collision:
-    """The colliding pairs of triangles at one pose; false when there are none."""
+    """The colliding pairs of triangles at one pose; false when there are none.
+
+    `hit[i]` is pair `i`: the tool's triangle and the mock-up's.
+    """
 
     @property
     def pairs(self) -> npt.NDArray[np.uint32]:
@@ -40,6 +44,11 @@ class Collision:
     def stats(self) -> CollisionStats:
         """Counters of the query, stage by stage."""
     def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> tuple[int, int]: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[tuple[int, int]]: ...
+    def __iter__(self) -> Iterator[tuple[int, int]]: ...
     def __bool__(self) -> bool: ...
 
 @final
@@ -131,7 +140,10 @@ class DistanceBatch:
 
 @final
 class Clearance:
-    """Clearances at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles."""
+    """Clearances at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles.
+
+    `near[i]` is row `i`, a `Distance`.
+    """
 
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
@@ -155,6 +167,11 @@ class Clearance:
     def mockup_triangles(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: the mock-up's triangle that the point lies on."""
     def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> Distance: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[Distance]: ...
+    def __iter__(self) -> Iterator[Distance]: ...
 
 @final
 class ClearanceBatch:
@@ -245,7 +262,7 @@ class PackedPiece:
 
 @final
 class Rays:
-    """The first hit of each of many rays."""
+    """The first hit of each of many rays; `rays[i]` is the `RayHit` of ray `i`, None without a hit."""
 
     @property
     def distances(self) -> npt.NDArray[np.float64]:
@@ -264,10 +281,18 @@ class Rays:
     def parts(self) -> npt.NDArray[np.int64]:
         """`(n,)`: indices into `mockup.parts`; -1 without a hit."""
     def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> RayHit | None: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[RayHit | None]: ...
+    def __iter__(self) -> Iterator[RayHit | None]: ...
 
 @final
 class SectionOutline:
-    """The segments of all triangles that a plane cuts, sorted by triangle. Arrays are read-only."""
+    """The segments of all triangles that a plane cuts, sorted by triangle. Arrays are read-only.
+
+    `outline[i]` is segment `i`, `(2, 3)`.
+    """
 
     @property
     def segments(self) -> npt.NDArray[np.float64]:
@@ -280,6 +305,11 @@ class SectionOutline:
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
     def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> npt.NDArray[np.float64]: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[npt.NDArray[np.float64]]: ...
+    def __iter__(self) -> Iterator[npt.NDArray[np.float64]]: ...
 
 @final
 class ClashRows:

@@ -146,9 +146,17 @@ def check_list(what: str, value: object, give: str, error: type[FeelerError] = O
     return list(value)  # type: ignore[call-overload, no-any-return]
 
 
+def unmasked(what: str, value: object, error: type[FeelerError] = OptionError) -> object:
+    """The value. Raises the error for a masked array with masked entries: NumPy would read what is below the mask."""
+    if isinstance(value, np.ndarray) and np.any(getattr(value, "mask", False)):
+        raise error(f"{what} has masked entries: leave them out, or fill them with numpy.ma.filled")
+    return value
+
+
 def check_array(what: str, value: object, shape: tuple[int | None, ...], *, is_finite: bool = True) -> npt.NDArray[Any]:
     """Real numbers of a shape, in which None is any length. Raises `OptionError` for other values."""
     wanted = str(tuple(-1 if size is None else size for size in shape)).replace("-1", "n")
+    unmasked(what, value)
     try:
         array = np.asarray(value)
         given = array.astype(np.float64, copy=False) if array.dtype.kind in "fiu" else None
@@ -167,7 +175,7 @@ def check_array(what: str, value: object, shape: tuple[int | None, ...], *, is_f
 def mask_of(value: object) -> npt.NDArray[np.bool_] | None:
     """Booleans as an array: those of an array, a list, or a column of a table; None for anything else."""
     if hasattr(value, "__array__"):
-        array = np.asarray(value)
+        array = np.asarray(unmasked("the mask", value))
         if array.dtype != object:
             return array if array.dtype == bool else None
         value = array.tolist()  # a column of pandas that may have gaps
@@ -178,6 +186,7 @@ def mask_of(value: object) -> npt.NDArray[np.bool_] | None:
 
 def check_ids(what: str, value: object, count: int) -> npt.NDArray[np.int64]:
     """Whole numbers `(n,)` below a count. Raises `OptionError` for other values."""
+    unmasked(what, value)
     try:
         array = np.asarray(value)
     except (TypeError, ValueError, OverflowError):

@@ -11,16 +11,40 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.field_docs import documented
+from feeler.rows import Columns
 from feeler.words import plural
 
 
 @documented
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Depth:
+    """The depth of a tool in one part: a row of `Depths`, metres, world."""
+
+    part: int
+    """Index into `mockup.parts`."""
+    tool_part: int
+    """Index into `tool.parts`."""
+    depth: float
+    """A lower bound; 0 for contact."""
+    error: float
+    """How much larger the depth can be; NaN for two open parts."""
+    is_estimate: bool
+    """Whether one of the two is open."""
+    point_on_tool: npt.NDArray[np.float64]
+    """`(3,)`: where the depth is measured."""
+    point_on_mockup: npt.NDArray[np.float64]
+    """`(3,)`: the same on the part."""
+
+
+@documented
 @dataclass(frozen=True, eq=False)
-class Depths:
+class Depths(Columns[Depth]):
     """The depth of a tool at one pose: a row for each part that it collides with, contains or is inside; deepest first.
 
-    Metres, world. All arrays are read-only.
+    `depths[i]` is row `i`, a `Depth`; slices are tables. Metres, world. All arrays are read-only.
     """
+
+    _ROW = Depth
 
     parts: npt.NDArray[np.uint32]
     """`(k,)`: indices into `mockup.parts`."""
@@ -56,9 +80,6 @@ class Depths:
 
     def __reduce__(self) -> tuple[type[Depths], tuple[npt.NDArray[Any], ...]]:
         return (type(self), tuple(vars(self).values()))  # through `__post_init__`, so that a copy is read-only, too
-
-    def __len__(self) -> int:
-        return len(self.parts)
 
     def __repr__(self) -> str:
         deepest = f", the deepest {self.depths[0]:.6g} m" if len(self) else ""

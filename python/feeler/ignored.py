@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+import operator
+from collections.abc import Iterable, Iterator
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -49,6 +50,19 @@ class IgnoredPairs(_core.IgnoredPairs):
 
     def __len__(self) -> int:
         return len(self.pairs)
+
+    @overload
+    def __getitem__(self, index: int) -> tuple[int, int]: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[tuple[int, int]]: ...
+    def __getitem__(self, index: int | slice) -> tuple[int, int] | list[tuple[int, int]]:
+        if isinstance(index, slice):
+            return [(a, b) for a, b in self.pairs[index].tolist()]
+        a, b = self.pairs[operator.index(index)].tolist()
+        return a, b
+
+    def __iter__(self) -> Iterator[tuple[int, int]]:
+        return iter(self[:])
 
     def __repr__(self) -> str:
         return f"IgnoredPairs({plural(len(self), 'pair')})"

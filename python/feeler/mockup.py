@@ -14,7 +14,7 @@ import numpy.typing as npt
 from feeler import _core, saved
 from feeler import attributes as attributes_of
 from feeler._core import Packed
-from feeler.arguments import check_kind, check_list, check_text, check_whole, shown
+from feeler.arguments import check_kind, check_list, check_text, check_whole, shown, unmasked
 from feeler.attributes import Attributes
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
@@ -662,6 +662,7 @@ def _whole(what: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
 
 def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
+    unmasked(what, values, MeshError)
     try:
         return np.asarray(values)
     except (ValueError, TypeError) as error:

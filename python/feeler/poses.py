@@ -9,7 +9,7 @@ from typing import Any, Protocol, cast, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_number, shown
+from feeler.arguments import check_number, shown, unmasked
 from feeler.errors import PoseError
 
 Floats = npt.NDArray[np.float64]
@@ -44,6 +44,7 @@ MAX_DEVIATION = 0.01
 """The most that `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
 
 _RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: nothing to repair
+_FARTHEST = 1e100  # the largest entry of a pose of a query
 QUERY_DEVIATION = 1e-6
 """The most by which the pose of a query may be not rigid."""
 _LEAST_RANK = 1e-9  # second to first singular value; below it all rows are on one line and define no rotation
@@ -72,6 +73,7 @@ def plain(pose: object) -> object:
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = turn, shift
         return matrix
+    refuse_masked("a pose", pose)
     return pose if isinstance(pose, np.ndarray) or not hasattr(pose, "as_matrix") else pose.as_matrix()
 
 
@@ -112,8 +114,14 @@ def one_pose(pose: PoseLike, name: str = "a pose") -> Floats:
     return matrix
 
 
+def refuse_masked(name: str, values: object) -> None:
+    """Raises `PoseError` for poses with masked entries."""
+    unmasked(name, values, PoseError)
+
+
 def _read(values: object, name: str, give: str) -> npt.NDArray[Any]:
     """As an array, without NumPy's own words for what it cannot read."""
+    refuse_masked(name, values)
     try:
         return np.asarray(values)
     except (ValueError, TypeError) as error:
@@ -176,6 +184,13 @@ def nearest_rigid(pose: PoseLike | PosesLike, max_deviation: float = MAX_DEVIATI
     repaired[:, 3] = 0.0, 0.0, 0.0, 1.0
     shaped: Floats = repaired.reshape(given.shape)
     return shaped
+
+
+def not_rigid(poses: Floats) -> int | None:
+    """The index of the first of these poses, `(n, 4, 4)`, that queries refuse; None if they take all."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        is_rigid = (_deviation(poses) <= QUERY_DEVIATION) & (np.abs(poses) <= _FARTHEST).all(axis=(1, 2))
+    return None if is_rigid.all() else int(np.argmin(is_rigid))
 
 
 def placed(points: Floats, place: PoseLike, what: str) -> Floats:

@@ -43,6 +43,7 @@ from feeler.arguments import (
     check_whole,
     check_word,
     shown,
+    unmasked,
 )
 from feeler.atomic import check_target
 from feeler.calibrate import machine_constants
@@ -771,6 +772,7 @@ def _within(value: float, endless: bool = True) -> float:
 
 def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.float64]:
     """`(n, columns) float64`."""
+    unmasked(what, values)
     try:
         array = np.asarray(values)
     except (TypeError, ValueError, OverflowError) as error:

@@ -45,10 +45,12 @@ from feeler.choices import (
     ViewMode,
     ViewUnit,
 )
+from feeler.clashes.bcf_notes import Seen as SeenFinding
 from feeler.clashes.finding import Exclude
 from feeler.clashes.rules import RulesLike, WordsLike
 from feeler.clashes.shapes import Shapes
 from feeler.clashes.table import Columns, VerdictLike
+from feeler.clashes.tracking import Found as FoundDepth
 from feeler.figures import CollisionStats, DeviceLimits, SceneMemory
 from feeler.haptics.record import Recorder
 from feeler.ignored import Ignore
@@ -60,13 +62,14 @@ from feeler.mockup import Defect, LoadReport
 from feeler.parts import Part, Parts, PartsLike
 from feeler.picture.collision import Hits
 from feeler.plan.reaching import Hand
-from feeler.poses import HasMatrix, PoseLike, PosesLike
+from feeler.poses import HasArray, HasMatrix, PoseLike, PosesLike
 from feeler.progress import Progress
+from feeler.project.rows import FindingChange, FindingRow, ProjectDocument
 from feeler.requirements import RequirementsLike
 from feeler.source import Source
 from feeler.tasks.listed import MaintainParts
 from feeler.tasks.reached import TaskTools
-from feeler.tasks.times import TimesLike
+from feeler.tasks.times import Element, TimesLike
 from feeler.workbench.document.arguments import VectorLike
 from feeler.workbench.document.protocol import Camera as ViewCamera
 from feeler.workbench.document.protocol import CardQuestion, CommandAnswer, GivenWay, Material, MeasureType
@@ -88,17 +91,22 @@ __all__ = [
     "DeviceFault",
     "DeviceLimits",
     "DevicePreset",
+    "Element",
     "Estimator",
     "Exclude",
     "FastenerKind",
     "Fault",
+    "FindingChange",
+    "FindingRow",
     "FindingStatus",
+    "FoundDepth",
     "Geometry",
     "GivenWay",
     "GripAxis",
     "GroupBy",
     "Hand",
     "HandGrip",
+    "HasArray",
     "HasMatrix",
     "Hits",
     "Ignore",
@@ -121,6 +129,7 @@ __all__ = [
     "PoseLike",
     "PosesLike",
     "Progress",
+    "ProjectDocument",
     "ProxyMode",
     "Recorder",
     "RequirementResult",
@@ -130,6 +139,7 @@ __all__ = [
     "SampleToolName",
     "SceneMemory",
     "SeatKind",
+    "SeenFinding",
     "SettableStatus",
     "Severity",
     "Shapes",

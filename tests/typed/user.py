@@ -45,7 +45,7 @@ Known = tuple[
 
 
 def reached_by(hand: Hand) -> feeler.Access:
-    return feeler.access(scene, tool, hand=hand)
+    return feeler.access(scene, tool, feeler.find_fasteners(mockup), hand=hand)
 
 
 def verified(limits: RequirementsLike, start: PoseLike) -> bool:
@@ -107,3 +107,14 @@ try:
     view.screenshot("engine.png")
 except (feeler.WorkbenchError, feeler.WriteError, feeler.RemovalInterrupted) as error:
     print(error)
+
+
+def approved(project: feeler.Project) -> list[str]:
+    assert_type(project.history()[0]["at"], str)
+    assert_type(project.document()["hidden"], list[int])
+    return [row["note"] for row in project.findings() if row["status"] == "approved" and row["depth"] is not None]
+
+
+for tool_triangle, mockup_triangle in hit:
+    assert_type(tool_triangle + mockup_triangle, int)
+assert_type([each.distance for each in scene.rays([[0, 0, 9]], [[0, 0, -1]]) if each is not None], list[float])

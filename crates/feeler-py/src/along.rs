@@ -6,6 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
+use crate::cast::warn_of_old_name;
 use crate::proximity::Distance;
 use crate::travel::{damaged, list, reduced, rows_of};
 
@@ -61,6 +62,13 @@ impl ClearanceAlong {
         self.bounds[2]
     }
 
+    /// An older name of `fraction`.
+    #[getter]
+    fn share(&self, py: Python<'_>) -> PyResult<f64> {
+        warn_of_old_name(py, c"ClearanceAlong.share is now ClearanceAlong.fraction")?;
+        Ok(self.fraction())
+    }
+
     /// `(4, 4)`: world_from_tool at `fraction`.
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
@@ -99,6 +107,13 @@ impl ClearanceAlong {
         self.column(py, |span| 0.5 * (span[0] + span[1]))
     }
 
+    /// An older name of `fractions`.
+    #[getter]
+    fn shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        warn_of_old_name(py, c"ClearanceAlong.shares is now ClearanceAlong.fractions")?;
+        Ok(self.fractions(py))
+    }
+
     /// `(n,)`: metres; nowhere in the span is the gap less.
     #[getter]
     fn lowers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -109,10 +124,6 @@ impl ClearanceAlong {
     #[getter]
     fn uppers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |span| span[3])
-    }
-
-    fn __len__(&self) -> usize {
-        self.spans.len()
     }
 
     fn __repr__(&self) -> String {

@@ -2,7 +2,7 @@
 
 use feeler_core as core;
 use numpy::ndarray::{ArrayView2, Ix2, Ix3};
-use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArrayMethods};
+use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::call::PyCallArgs;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -44,7 +44,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         // The common case, without a book of who borrows which array: its numbers are copied at once.
         if let Ok(array) = object.cast::<PyArray<f64, Ix2>>() {
-            if array.shape() == [4, 4] {
+            if array.shape() == [4, 4] && is_plain(&object) {
                 if array.is_c_contiguous() {
                     // SAFETY: nobody else runs while the array is looked at: this thread holds the interpreter, and calls nothing.
                     // Its sixteen numbers lie one after the other.
@@ -197,12 +197,17 @@ pub fn pose_of(matrix: &ArrayView2<'_, f64>) -> core::Result<core::Pose> {
     core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| matrix[[i, j]])))
 }
 
+/// Whether it is an array of NumPy's own class. Others may hide some of their entries, as masked arrays do.
+fn is_plain(object: &Bound<'_, PyAny>) -> bool {
+    object.get_type().is(object.py().get_type::<PyUntypedArray>())
+}
+
 /// An array of float64 as it is, anything else as NumPy converts it.
 fn real_numbers<'py, D: numpy::ndarray::Dimension>(
     object: Borrowed<'_, 'py, PyAny>,
     shape: &str,
 ) -> PyResult<PyReadonlyArray<'py, f64, D>> {
-    if let Ok(array) = object.cast::<PyArray<f64, D>>() {
+    if let (Ok(array), true) = (object.cast::<PyArray<f64, D>>(), is_plain(&object)) {
         if let Ok(array) = array.try_readonly() {
             return Ok(array);
         }
@@ -219,6 +224,10 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
             error
         }
     };
+    if object.hasattr("mask")? {
+        let what = are.trim_end_matches(" is").trim_end_matches(" are");
+        py.import("feeler.poses")?.call_method1("refuse_masked", (what, object))?;
+    }
     let numpy = py.import("numpy")?;
     let array = numpy.call_method1("asarray", (object,)).map_err(unreadable)?;
     let dtype = array.getattr("dtype")?;

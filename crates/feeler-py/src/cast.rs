@@ -5,8 +5,9 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyDeprecationWarning;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyIterator, PyTuple};
 
+use crate::arrays::{at, in_order, Index};
 use crate::containment::Containment;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 use crate::words::counted;
@@ -145,7 +146,8 @@ impl Cast {
 
 /// The first impact of a tool on each segment of a path, from one pose to the next.
 ///
-/// Its length is the number of segments, one less than poses; a path of one pose has one segment without motion.
+/// True if the path is free. Its rows are the segments, one less than poses: `check[i]` is the `Cast` of segment `i`,
+/// None if it is free. A path of one pose has one segment without motion.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PathCheck {
     count: usize,
@@ -287,6 +289,20 @@ impl PathCheck {
         self.count
     }
 
+    fn __bool__(&self) -> bool {
+        self.is_free()
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        at(py, &index, (self.count, "segment"), |i| {
+            Ok(self.hits.binary_search_by_key(&i, |(segment, _)| *segment).ok().map(|place| self.hits[place].1))
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!("PathCheck({}, {} hit)", counted(self.count, "segment"), self.hits.len())
     }
@@ -298,6 +314,6 @@ impl PathCheck {
     }
 }
 
-fn warn_of_old_name(py: Python<'_>, what: &std::ffi::CStr) -> PyResult<()> {
+pub fn warn_of_old_name(py: Python<'_>, what: &std::ffi::CStr) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyDeprecationWarning>(), what, 1)
 }

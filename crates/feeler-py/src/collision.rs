@@ -15,6 +15,8 @@ use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduc
 use crate::words::counted;
 
 /// The colliding pairs of triangles at one pose; false when there are none.
+///
+/// `hit[i]` is pair `i`: the tool's triangle and the mock-up's.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Collision {
     core: core::Collision,
@@ -148,6 +150,14 @@ impl Collision {
 
     fn __bool__(&self) -> bool {
         !self.core.pairs.is_empty()
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        at(py, &index, (self.core.pairs.len(), "pair"), |i| Ok((self.core.pairs[i][0], self.core.pairs[i][1])))
     }
 
     fn __repr__(&self) -> String {

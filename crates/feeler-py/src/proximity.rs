@@ -227,6 +227,8 @@ impl DistanceBatch {
 }
 
 /// Clearances at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles.
+///
+/// `near[i]` is row `i`, a `Distance`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Clearance {
     gaps: Vec<core::Gap>,
@@ -293,6 +295,14 @@ impl Clearance {
 
     fn __len__(&self) -> usize {
         self.gaps.len()
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        at(py, &index, (self.gaps.len(), "row"), |i| Ok(Distance::new(Some(self.gaps[i]))))
     }
 
     fn __repr__(&self) -> String {

@@ -4,14 +4,14 @@ use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyIterator, PyTuple};
 
-use crate::arrays::{view, view_blocks};
+use crate::arrays::{at, in_order, read_only, view, view_blocks, Index};
 use crate::proximity::points;
 use crate::travel::{check_lengths, list, reduced, rows_of};
 use crate::words::counted;
 
-/// The first hit of each of many rays.
+/// The first hit of each of many rays; `rays[i]` is the `RayHit` of ray `i`, None without a hit.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Rays {
     hits: Vec<Option<core::RayHit>>,
@@ -82,6 +82,21 @@ impl Rays {
         self.hits.len()
     }
 
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let class = py.import("feeler.rows")?.getattr("RayHit")?;
+        at(py, &index, (self.hits.len(), "ray"), |i| {
+            let row = |hit: core::RayHit| {
+                let vector = |v: core::Point| read_only(v.to_vec().into_pyarray(py));
+                class.call1((hit.distance, vector(hit.point), vector(hit.normal), hit.triangle, hit.part))
+            };
+            self.hits[i].map(row).transpose()
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!("Rays({}, {} hit)", counted(self.hits.len(), "ray"), self.hits.iter().flatten().count())
     }
@@ -100,6 +115,8 @@ impl Rays {
 }
 
 /// The segments of all triangles that a plane cuts, sorted by triangle. Arrays are read-only.
+///
+/// `outline[i]` is segment `i`, `(2, 3)`.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct SectionOutline {
     segments: Vec<[core::Point; 2]>,
@@ -153,6 +170,15 @@ impl SectionOutline {
 
     fn __len__(&self) -> usize {
         self.segments.len()
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        in_order(slf)
+    }
+
+    fn __getitem__<'py>(slf: &Bound<'py, Self>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let segments = Self::segments(slf);
+        at(slf.py(), &index, (slf.get().segments.len(), "segment"), |i| segments.get_item(i))
     }
 
     fn __repr__(&self) -> String {

@@ -209,5 +209,5 @@ def _check_match(known: Sequence[_Known[AnyTable]], now: Shapes) -> None:
     hint = "" if any(each.shapes.is_known.any() for each in known) else "; they were saved without shapes"
     raise LoadError(
         f"none of the saved parts exist in this mock-up (0 of {len(names):,}, such as {names[0]!r}, match one of its "
-        f"{len(now):,} parts by path or by shape{hint}). Give the findings of this mock-up, or run without them."
+        f"{len(now.keys):,} parts by path or by shape{hint}). Give the findings of this mock-up, or run without them."
     )

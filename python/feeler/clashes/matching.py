@@ -119,7 +119,7 @@ class _Search:
         """How far the centre of a part may be from its place before."""
         self.mates = _mates(old, new)
         self.by_shape = [_by_shape(each, size) for each, size in zip((old, new), self.sizes, strict=True)]
-        self.shape, self.is_unique = np.full(len(old), -1, dtype=np.intp), np.zeros(len(old), dtype=bool)
+        self.shape, self.is_unique = np.full(len(old.keys), -1, dtype=np.intp), np.zeros(len(old.keys), dtype=bool)
         for number, rows in enumerate(self.by_shape[0].values()):
             self.shape[rows], self.is_unique[rows] = number, len(rows) == 1
         self.steps = [[path.split("/")[::-1] for path in each.paths] for each in (old, new)]
@@ -154,7 +154,7 @@ class _Search:
 
     def found(self, shift: Floats) -> Rows:
         """Matches parts of equal shape whose places differ by `shift`."""
-        new_of_old = np.full(len(self.old), -1)
+        new_of_old = np.full(len(self.old.keys), -1)
         olds, news = self.mates
         same = np.isfinite(self.differences(olds, news, shift))
         new_of_old[olds[same]] = news[same]
@@ -206,7 +206,7 @@ class _Search:
 
     def by_path(self, new_of_old: Rows) -> Rows:
         """Adds matches by path alone: parts that moved or changed their shape."""
-        is_taken = np.zeros(len(self.new), dtype=bool)
+        is_taken = np.zeros(len(self.new.keys), dtype=bool)
         is_taken[new_of_old[new_of_old >= 0]] = True
         olds, news = self.mates
         free = (new_of_old[olds] < 0) & ~is_taken[news]
@@ -389,7 +389,7 @@ def _renamed_folders(
 def _mates(old: Shapes, new: Shapes) -> tuple[Rows, Rows]:
     """Pairs of parts with the same path, unique on both sides, and with known shapes."""
     single = [
-        {path: rows[0] for path, rows in _by_path(each.paths, np.arange(len(each))).items() if len(rows) == 1}
+        {path: rows[0] for path, rows in _by_path(each.paths, np.arange(len(each.keys))).items() if len(rows) == 1}
         for each in (old, new)
     ]
     is_known = old.is_known, new.is_known

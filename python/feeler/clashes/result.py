@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 import numpy.typing as npt
@@ -106,7 +108,17 @@ class Group:
         return self.clashes[0]
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self.clashes)
+
+    @overload
+    def __getitem__(self, index: int) -> Clash: ...
+    @overload
+    def __getitem__(self, index: slice) -> Clashes: ...
+    def __getitem__(self, index: int | slice) -> Clash | Clashes:
+        return self.clashes[index]
+
+    def __iter__(self) -> Iterator[Clash]:
+        return iter(self.clashes)
 
 
 @documented

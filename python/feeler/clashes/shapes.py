@@ -49,9 +49,6 @@ class Shapes:
     chord: Floats
     area_error: Floats
 
-    def __len__(self) -> int:
-        return len(self.keys)
-
     @property
     def is_known(self) -> npt.NDArray[np.bool_]:
         """`(n,)`: whether the shape is known."""

@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Annotated, Any, NoReturn, TypeVar
 
 import typer
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 
 from feeler.cli.options import in_command_line_words, in_text
 from feeler.errors import FeelerError
@@ -32,8 +32,27 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
+
+class _PlainWords:
+    """A command whose --help has no types of Python: arguments and flags are their own words."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if param.param_type_name == "argument":
+                param.display_type_rich = lambda ctx: None
+            elif param.metavar is None and param.is_flag:
+                param.metavar = ""
+        return params
+
+
+class Commands(_PlainWords, TyperGroup):
+    """All commands."""
+
+
 app = typer.Typer(
     name="feeler",
+    cls=Commands,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -68,7 +87,7 @@ def command(
                 fail("interrupted")
                 raise typer.Exit(INTERRUPTED) from None
 
-        class WithExamples(TyperCommand):
+        class WithExamples(_PlainWords, TyperCommand):
             def format_help(self, ctx: Any, formatter: Any) -> None:
                 super().format_help(ctx, formatter)
                 print_examples(examples.strip().splitlines())

@@ -16,7 +16,7 @@ import typer
 
 import feeler
 from feeler.arguments import check_word
-from feeler.choices import FAULT_NAMES, SAMPLE_NAMES, SAMPLE_TOOL_NAMES, Fault
+from feeler.choices import FAULT_NAMES, SAMPLE_NAMES, SAMPLE_TOOL_NAMES, Fault, SampleName, SampleToolName
 from feeler.cli.outputs import warn
 from feeler.cli.values import (
     LENGTH,
@@ -34,7 +34,7 @@ from feeler.errors import LoadError, MissingFileError, OptionError, PoseError
 from feeler.io.axes import parse_axis
 from feeler.io.text import decoded, name_text, numbers_of, text_of
 from feeler.io.units import parse_name
-from feeler.poses import rotation_xyz
+from feeler.poses import not_rigid, one_pose, rotation_xyz
 from feeler.progress import Progress, bar
 
 Triple = tuple[float, float, float]
@@ -262,6 +262,20 @@ def warn_of_doubts(mesh: feeler.Mockup | feeler.Tool, what: str = "mock-up") -> 
         warn(f"{what}: {doubt}")
 
 
+def check_sources(mockup: list[str], tool: str | None) -> None:
+    """Checks, without reading them, that the files are there, and that samples have names that there are."""
+    from feeler.io.load import check_files
+
+    if any(source.startswith(_SAMPLE) for source in mockup):
+        _sample_of(mockup)
+    else:
+        check_files(mockup)
+    if tool is not None and tool.startswith(_SAMPLE):
+        _sample_tool_of(tool)
+    elif tool is not None:
+        check_files(tool)
+
+
 def read_mockup(
     sources: list[str],
     unit: str | None = None,
@@ -276,14 +290,9 @@ def read_mockup(
     also: a second receiver of the progress.
     """
     if any(source.startswith(_SAMPLE) for source in sources):
-        if len(sources) > 1:
-            raise OptionError(f"{', '.join(sources)}: a sample cannot be combined with other input")
-        name, triangles, seed, faults = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0", ""))
-        count, arrangement = _whole(triangles, "triangles", sources[0]), _whole(seed, "seed", sources[0])
-        sample = check_word("the sample", name, SAMPLE_NAMES)
-        planted = faults_of([faults], "the fault")
-        with telling(f"making {name}", also) as progress:
-            mockup = feeler.sample(sample, count, seed=arrangement, faults=planted, progress=progress)
+        sample, count, seed, faults = _sample_of(sources)
+        with telling(f"making {sample}", also) as progress:
+            mockup = feeler.sample(sample, count, seed=seed, faults=faults, progress=progress)
         axis, wanted = mockup.source.up, parse_axis(up)
         if axis and wanted not in (None, axis):
             raise OptionError(f"--up: {wanted} is not the axis of {sources[0]}, which has {axis} up")
@@ -299,6 +308,15 @@ def read_mockup(
     return mockup
 
 
+def _sample_of(sources: list[str]) -> tuple[SampleName, int, int, list[Fault]]:
+    """The name, the triangles, the seed and the faults of the one sample that is given."""
+    if len(sources) > 1:
+        raise OptionError(f"{', '.join(sources)}: a sample cannot be combined with other input")
+    name, triangles, seed, faults = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0", ""))
+    count, arrangement = _whole(triangles, "triangles", sources[0]), _whole(seed, "seed", sources[0])
+    return check_word("the sample", name, SAMPLE_NAMES), count, arrangement, faults_of([faults], "the fault")
+
+
 def faults_of(words: list[str], what: str) -> list[Fault]:
     """The faults that words name, with commas between them. Raises `OptionError` for unknown ones."""
     return [check_word(what, name.strip(), FAULT_NAMES) for word in words for name in word.split(",") if name.strip()]
@@ -307,12 +325,17 @@ def faults_of(words: list[str], what: str) -> list[Fault]:
 def read_tool(source: str, unit: str | None = None, up: str | None = None) -> feeler.Tool:
     """A tool from a file, or from `sample:NAME` or `sample:NAME:fine`."""
     if source.startswith(_SAMPLE):
-        name, fine = _sample_words(source, ("", ""))
-        if fine not in ("", "fine"):
-            raise OptionError(f"{source}: expected sample:NAME or sample:NAME:fine")
-        return feeler.sample_tool(check_word("the sample tool", name, SAMPLE_TOOL_NAMES), fine=fine == "fine")
+        name, is_fine = _sample_tool_of(source)
+        return feeler.sample_tool(name, fine=is_fine)
     with bar("loading tool") as progress:
         return feeler.load_tool(source, parse_name(unit), up=parse_axis(up), progress=progress)
+
+
+def _sample_tool_of(source: str) -> tuple[SampleToolName, bool]:
+    name, fine = _sample_words(source, ("", ""))
+    if fine not in ("", "fine"):
+        raise OptionError(f"{source}: expected sample:NAME or sample:NAME:fine")
+    return check_word("the sample tool", name, SAMPLE_TOOL_NAMES), fine == "fine"
 
 
 def poses_of_options(
@@ -366,18 +389,17 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
         raise PoseError(f"pose file {path} holds an array of shape {poses.shape}; {_EXPECTED}")
     if len(poses) == 0:
         raise PoseError(f"pose file {path} holds no pose; {_EXPECTED}")
-    if snap:
-        try:
+    with _of_pose_file(path):
+        if snap:
             return feeler.nearest_rigid(poses)
-        except PoseError as error:
-            raise PoseError(f"pose file {path}: {error}") from None
+        _check_rigid(poses, "poses[{}]: " if len(poses) > 1 else "")
     return poses
 
 
 def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Screw]:
     """A path as `Scene.check_path` takes it: as `read_poses`, or the legs of a way, screws among them, from JSON.
 
-    Raises the errors of `read_poses`, and `OptionError` for an invalid screw.
+    Raises the errors of `read_poses`.
     """
     legs = None
     if path.suffix.lower() == ".json" and os.path.isfile(path):
@@ -387,14 +409,41 @@ def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Scr
             if legs is not None:
                 from feeler.plan.legs import path_of_json
 
-                way = path_of_json(legs)
+                with _of_pose_file(path):
+                    way = path_of_json(legs)
         except LoadError as error:
             raise PoseError(f"pose file {error}") from None
         except (ValueError, TypeError, RecursionError) as error:
             raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
     if legs is None:
         return read_poses(path, snap)
-    return [feeler.nearest_rigid(each) if snap and isinstance(each, np.ndarray) else each for each in way]
+    with _of_pose_file(path):
+        if snap:
+            return [feeler.nearest_rigid(each) if isinstance(each, np.ndarray) else each for each in way]
+        for number, each in enumerate(way[1:]):
+            if isinstance(each, np.ndarray):
+                _check_rigid(one_pose(each)[None], f"legs[{number}]: ")
+    return way
+
+
+def _check_rigid(poses: Poses, which: str) -> None:
+    """Checks the poses as queries do, and in their words. which: before these, with the index. Raises `PoseError`."""
+    bad = not_rigid(poses)
+    if bad is None:
+        return
+    try:
+        feeler.Slide((0.0, 0.0, 1.0)).at(poses[bad], 0.0)
+    except PoseError as error:
+        raise PoseError(f"{which.format(bad)}{error}") from None
+
+
+@contextlib.contextmanager
+def _of_pose_file(path: Path) -> Iterator[None]:
+    """Puts the file in front of errors about what is in it."""
+    try:
+        yield
+    except (PoseError, OptionError) as error:
+        raise PoseError(f"pose file {path}: {error}") from None
 
 
 _EXPECTED = "a pose is 4 by 4 numbers, world_from_tool, metres, row by row; several are (n, 4, 4)"

@@ -11,7 +11,7 @@ import typer
 import feeler
 from feeler.arguments import check_word
 from feeler.choices import STORAGES
-from feeler.cli.app import app, command
+from feeler.cli.app import Commands, app, command
 from feeler.cli.inputs import Hashing, read_mockup, read_tool
 from feeler.cli.values import COUNT, POSES, SEED, UNIT, Number, Whole, Word
 from feeler.errors import MissingFileError, OptionError
@@ -21,6 +21,7 @@ from feeler.samples import sample_names, sample_tool_names
 from feeler.study import Plan, Subject, study_filters, study_hashing, study_piece_size, study_scaling, study_voxel_size
 
 study = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     rich_markup_mode="rich",
     help="Repeats the paper's experiments: voxel size, hashing, scaling, filters. Each writes tables, plots, a page.",

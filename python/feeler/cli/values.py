@@ -16,6 +16,7 @@ from typing import Any
 from feeler.arguments import MOST_THREADS, near
 
 _NUMBER = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)\s*(.*)", re.ASCII)
+_GROUPED = re.compile(r"[-+]?[1-9]\d*,\d{3}", re.ASCII)
 _PIXELS = re.compile(r"(\d{1,5})x(\d{1,5})", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d[\d_]{0,30}", re.ASCII)
 _ANGLES = {"": 1.0, "deg": 1.0, "degrees": 1.0, "\N{DEGREE SIGN}": 1.0, "rad": 180.0 / math.pi}
@@ -64,7 +65,10 @@ class FileName(Value):
 
 @dataclass(frozen=True)
 class Number(Value):
-    """A number from `least` to `most`, above `above`; with one of the units, as a multiple of the documented one."""
+    """A number from `least` to `most`, above `above`; with one of the units, as a multiple of the documented one.
+
+    A comma begins decimals, unless it may group thousands: "0,5" is a half, "1,000" is refused.
+    """
 
     metavar: str = "NUMBER"
     what: str = "a number"
@@ -80,6 +84,9 @@ class Number(Value):
         found = _NUMBER.fullmatch(text.strip())
         factor = self.factor(found[2].strip()) if found else None
         value = math.nan
+        if found and _GROUPED.fullmatch(found[1]):
+            plain, decimal = found[1].replace(",", ""), found[1].replace(",", ".")
+            raise ValueError(f"its comma may group thousands or begin decimals: give {plain} or {decimal}")
         if found and factor is not None:
             number = float(found[1].replace(",", "."))
             # Divided where the unit is a fraction: 5 mm are the double nearest to 0.005, and 5 * 0.001 may not be.

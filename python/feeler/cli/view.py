@@ -29,6 +29,7 @@ from feeler.cli.inputs import (
     ToolUnit,
     Up,
     Without,
+    check_sources,
     read_mockup,
     read_tool,
     telling,
@@ -146,7 +147,8 @@ def view(
 
     Prints the address, which contains the key for access. The page opens at once and shows loading progress. Ctrl-C
     ends it. With --project, everything is saved as you work; a project alone opens the mock-up that it names.
-    Exit status: 0; 2 bad input, a mock-up that could not be read, or changes that could not be saved.
+    Exit status: 0; 2 bad input, a mock-up that could not be read, or changes that could not be saved. A file that is
+    missing, or of a format that feeler does not read, ends it at once; other errors of files are shown in the page.
 
     --benchmark moves camera and tool in the page and reports the frames per second; keep the page visible, because
     browsers do not draw hidden ones.
@@ -172,6 +174,8 @@ def view(
         raise OptionError("--device moves a tool: give --tool too")
     place = Place(host, port, allow_remote, tls_cert, tls_key)
     place.check()
+    if files or tool is not None:
+        check_sources(files or [_SAMPLE], tool)
     if record is not None:
         check_target(record, ".jsonl", ".json")
     if benchmark:

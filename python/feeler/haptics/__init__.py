@@ -14,20 +14,22 @@ from feeler.haptics import devices
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import open_device
 from feeler.haptics.replaying import Parted, replay
-from feeler.haptics.running import Distribution, Granted, Statistics, Trace, View
-from feeler.haptics.session import Planes, Seat, Session, Start, Step
+from feeler.haptics.running import Distribution, Granted, Statistics, Tick, Trace, View
+from feeler.haptics.session import Plane, Planes, Seat, Session, Start, Step
 
 __all__ = [
     "Coupling",
     "Distribution",
     "Granted",
     "Parted",
+    "Plane",
     "Planes",
     "Seat",
     "Session",
     "Start",
     "Statistics",
     "Step",
+    "Tick",
     "Trace",
     "View",
     "devices",

@@ -17,6 +17,7 @@ from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import Device, Own
 from feeler.haptics.record import Recorder
 from feeler.poses import QUERY_DEVIATION, PoseLike, nearest_rigid, one_pose
+from feeler.rows import Columns
 
 Floats = npt.NDArray[np.float64]
 
@@ -137,9 +138,30 @@ class Granted:
 
 
 @documented
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Tick:
+    """One tick of the servo: a row of `Trace`."""
+
+    time: float
+    """Seconds on the machine's clock."""
+    world_from_device: Floats
+    """`(4, 4)`; the last known one if the device reported none."""
+    world_from_proxy: Floats
+    """`(4, 4)`."""
+    wrench: Floats
+    """`(6,)`: force and torque on the hand."""
+    mode: ProxyMode
+    """What the proxy does."""
+    has_device: bool
+    """Whether the device reported a valid pose."""
+
+
+@documented
 @dataclass(frozen=True, eq=False)
-class Trace:
-    """All ticks of a period."""
+class Trace(Columns[Tick]):
+    """All ticks of a period. `trace[i]` is a `Tick`; slices are traces."""
+
+    _ROW = Tick
 
     times: Floats
     """`(n,)`: seconds on the machine's clock."""
@@ -153,9 +175,6 @@ class Trace:
     """What the proxy does in each row."""
     has_device: npt.NDArray[np.bool_]
     """`(n,)`: whether the device reported a valid pose."""
-
-    def __len__(self) -> int:
-        return len(self.times)
 
 
 class Runs(_core.HapticsSession):

@@ -22,15 +22,37 @@ from feeler.haptics.running import Runs
 from feeler.mockup import Tool
 from feeler.poses import PoseLike, one_pose
 from feeler.renamed import keywords
+from feeler.rows import Columns
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
 
 @documented
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Plane:
+    """A contact plane at the proxy: a row of `Planes`."""
+
+    point: Floats
+    """`(3,)`: on the mock-up, metres, world."""
+    normal: Floats
+    """`(3,)`: unit, from the mock-up to the tool."""
+    gap: float
+    """Distance of the proxy, metres."""
+    part: int
+    """Index into `mockup.parts`."""
+    id: int
+    """Identifies the pair of surfaces, the same from step to step."""
+    is_holding: bool
+    """Whether the plane holds the proxy."""
+
+
+@documented
 @dataclass(frozen=True, eq=False)
-class Planes:
-    """The contact planes at the proxy, nearest first."""
+class Planes(Columns[Plane]):
+    """The contact planes at the proxy, nearest first. `planes[i]` is a `Plane`; slices are tables."""
+
+    _ROW = Plane
 
     points: Floats
     """`(k, 3)`: on the mock-up, metres, world."""
@@ -44,9 +66,6 @@ class Planes:
     """`(k,)`: identify the pair of surfaces, the same from step to step."""
     is_holding: npt.NDArray[np.bool_]
     """`(k,)`: whether the plane holds the proxy."""
-
-    def __len__(self) -> int:
-        return len(self.gaps)
 
 
 @documented

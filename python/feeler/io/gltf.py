@@ -86,7 +86,7 @@ def read_gltf(
         paths,
         unit=parse_unit("m"),
         notes=notes,
-        doubts=tally.doubts(),
+        doubts=[*document.doubts, *tally.doubts()],
         up=None if document.root["asset"].get("generator") == OWN_GENERATOR else "y",
         colours=np.array(colours).reshape(-1, 3),
         attributes=stated.attributes(),

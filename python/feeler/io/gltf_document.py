@@ -56,6 +56,7 @@ class Document:
         self.path = path
         data = path.read_bytes()
         self._binary: memoryview | None = None
+        self.doubts: list[str] = []
         text = self._split_glb(data) if data[:4] == _GLB_MAGIC else data
         # Memory of its Python objects: a list or object about 100 bytes, any other value about 64.
         values = 100 * (text.count(b"[") + text.count(b"{")) + 64 * text.count(b",")
@@ -158,6 +159,8 @@ class Document:
             raise self.fail(f"this is GLB version {version}, and only version 2 is read; convert it", damaged=False)
         if length > len(data):
             raise self.fail(f"the header promises {length:,} bytes, the file has {len(data):,}: it is truncated")
+        if data[length:].strip(b"\0 \t\r\n"):
+            self.doubts.append(f"{len(data) - length:,} bytes follow the end that the GLB states, and were not read")
         text: bytes | None = None
         at = 12
         while at + 8 <= length:

@@ -155,6 +155,17 @@ def load_tool(
     return tool
 
 
+def check_files(path: PathLike | Iterable[PathLike]) -> None:
+    """Check what `load_mockup` checks before it reads: that the files are there, in formats that feeler reads.
+
+    Raises `MissingFileError`, `LoadError`.
+    """
+    if _saved_scene(path) is None:
+        for file in collect(path).files:
+            if file.is_named:
+                identify(file.path)
+
+
 def is_saved(path: PathLike | Iterable[PathLike]) -> bool:
     """Whether it is the path of a saved scene, which can be read."""
     return _saved_scene(path) is not None

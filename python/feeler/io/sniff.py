@@ -7,6 +7,7 @@ import stat
 from pathlib import Path
 
 from feeler.errors import LoadError, MissingFileError
+from feeler.io.step_text import without_comments
 from feeler.io.text import decoded
 from feeler.io.unread import unread
 from feeler.saved import MAGIC
@@ -106,7 +107,7 @@ def _by_content(head: bytes, text: bytes, size: int) -> str | None:
         return "PLY"
     if head.startswith(b"PK\x03\x04"):
         return "3MF"
-    if text.startswith(b"ISO-10303-21"):
+    if without_comments(text).startswith(b"ISO-10303-21"):
         return "STEP"
     if _OFF.match(text):
         return "OFF"

@@ -27,7 +27,7 @@ from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly, stated_units
 from feeler.io.step_parts import Library, ReadFile, Slot, fill
 from feeler.io.step_source import count_faces, for_converter, left_out, misplaced
-from feeler.io.step_text import one_section, plain_text, split_end
+from feeler.io.step_text import one_section, plain_text, split_end, without_comments
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
@@ -88,7 +88,7 @@ def _text_of(path: Path) -> tuple[bytes, list[str], list[str]]:
     Checks that it begins and ends as STEP does, before native code sees it.
     """
     text = decoded(path.read_bytes())
-    if not text[:1024].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"ISO-10303-21"):
+    if not without_comments(text).startswith(b"ISO-10303-21"):
         raise LoadError(f"{path}: a STEP file starts with 'ISO-10303-21;'; this one is something else")
     split = split_end(plain_text(text))
     if split is None:

@@ -17,6 +17,7 @@ Argument: TypeAlias = "str | int | float | list[Argument] | None"
 """A string, the number of an entity (`#7`, an int), a number (a float), a list, or None for anything else ($, .T.)."""
 
 _STRING_OR_COMMENT = re.compile(rb"('[^']*')|/\*.*?(?:\*/|\Z)", re.DOTALL)
+_BEFORE = re.compile(rb"(?:[\xef\xbb\xbf\s]|/\*.*?\*/)*", re.DOTALL)
 _TOKEN = re.compile(rb"'(?:[^']|'')*'|#\d+|[(),;]|[^\s'#(),;]+")
 _ESCAPE = re.compile(
     r"''|\\\\|\\X2\\((?:[0-9A-F]{4})*)\\X0\\|\\X4\\((?:[0-9A-F]{8})*)\\X0\\|\\X\\([0-9A-F]{2})|\\P([A-I])\\|\\S\\(.)",
@@ -55,6 +56,11 @@ class Entity(NamedTuple):
     def all(self, at: int) -> list[int]:
         """Return the numbers of all entities in that argument, a list or one."""
         return list(references(self.arguments[at])) if at < len(self.arguments) else []
+
+
+def without_comments(text: bytes) -> bytes:
+    """Return the text from its first keyword on: blanks and comments may be before it."""
+    return text[_BEFORE.match(text).end() :]  # type: ignore[union-attr]  # it matches nothing, too
 
 
 def plain_text(text: bytes) -> bytes:

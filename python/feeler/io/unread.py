@@ -7,6 +7,7 @@ import zipfile
 from pathlib import Path
 
 from feeler.io.raw import clean_name
+from feeler.io.step_text import without_comments
 
 CAD = "export STEP (AP214 or AP242) or glTF from the program that made it"
 _IFC = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'(IFC[^']*)'", re.I)
@@ -96,7 +97,7 @@ def unread(path: Path, head: bytes, text: bytes) -> str | None:
         )
     start = next(((name, advice) for magic, name, advice in _STARTS if head.startswith(magic)), None)
     start = start or (_in_archive(path) if head.startswith(b"PK\x03\x04") else None)
-    if start is None and not text.startswith(b"ISO-10303-21"):
+    if start is None and not without_comments(text).startswith(b"ISO-10303-21"):
         start = _ENDINGS.get(path.suffix.lower())
     return f"it is {start[0]}, which feeler does not read; {start[1]}" if start else None
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -157,3 +158,13 @@ class MechanismClashes:
 
     def __len__(self) -> int:
         return len(self.contacts)
+
+    @overload
+    def __getitem__(self, index: int) -> MechanismContact: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[MechanismContact, ...]: ...
+    def __getitem__(self, index: int | slice) -> MechanismContact | tuple[MechanismContact, ...]:
+        return self.contacts[index]
+
+    def __iter__(self) -> Iterator[MechanismContact]:
+        return iter(self.contacts)

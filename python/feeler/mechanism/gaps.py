@@ -157,7 +157,7 @@ def _along(
             found = _bounded(
                 best, pair, leg, 0.5 * error if is_loop else error, within, stand if is_loop else None, name
             )
-            boxes += len(found)
+            boxes += len(found.lowers)
             lower = min(lower, found.lower - spread)
             curve.take(leg, found.edges, found.lowers - spread)
             spans = np.diff(found.edges)
@@ -394,7 +394,7 @@ class _Search:
         far = float(self.speeds[number][way]) * (self.upper[way] - self.lower[way])
         error = max(0.5 * self.error, 0.5 * spread, 0.5 * far / self.most)
         found = _bounded(self.best, pair, leg, error, self.best.upper + spread)
-        self.boxes += len(found)
+        self.boxes += len(found.lowers)
         return found.lower if math.isfinite(found.upper) else math.inf  # infinite: it does not hold the least gap
 
     def _speeds(self, pair: tuple[int, int], reach: dict[str, float]) -> Floats:

@@ -58,13 +58,16 @@ class OpeningLimit:
 @documented
 @dataclass(frozen=True)
 class OpeningFit:
-    """Whether an opening is large enough for a limit."""
+    """Whether an opening is large enough for a limit; true if it is."""
 
     limit: OpeningLimit
     is_through: bool
     """Whether what the limit asks for goes through."""
     largest: float
     """The largest width or diameter of this shape that goes through, metres; of a box with its proportions."""
+
+    def __bool__(self) -> bool:
+        return self.is_through
 
 
 @documented

@@ -51,7 +51,7 @@ class RemovalStep:
 @documented
 @dataclass(frozen=True)
 class RemovalOrder(OldAttributes):
-    """The parts to remove, in order, the wanted ones last.
+    """The parts to remove, in order, the wanted ones last; true if found.
 
     - `is_found`: whether these steps free the wanted parts. False is no proof that nothing does.
     - `steps`: `RemovalStep`s in order. If no order was found: the best attempt of the wanted parts alone.
@@ -77,6 +77,9 @@ class RemovalOrder(OldAttributes):
     def parts(self) -> tuple[int, ...]:
         """All removed parts, in order, including the wanted ones."""
         return tuple(part for step in self.steps for part in step.parts)
+
+    def __bool__(self) -> bool:
+        return self.is_found
 
     def __len__(self) -> int:
         return len(self.steps)
@@ -239,7 +242,9 @@ class _Search:
                 if is_full and (not has_helped or full_passes == MOST_FULL_PASSES):
                     break
             plan = self._plan()
-        last = self.last or self.crew.way(Attempt(target, frozenset(), None, (self._least,)))
+        last = self.last
+        if last is None:
+            last = self.crew.way(Attempt(target, frozenset(), None, (self._least,)))
         self._note_failed(target, last)
         stuck, blockers = self._stopped()
         ended = self._ended(False, [RemovalStep(question.wanted, last)])

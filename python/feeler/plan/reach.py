@@ -34,7 +34,7 @@ class TriedTool:
 @documented
 @dataclass(frozen=True, eq=False)  # it holds arrays
 class Reach(OldAttributes):
-    """The result for one target."""
+    """The result for one target; true if it is reachable."""
 
     _RENAMED: ClassVar[Mapping[str, str]] = {"swing": "swing_deg", "angle": "angle_deg", "reachable": "is_reachable"}
 
@@ -75,6 +75,9 @@ class Reach(OldAttributes):
     """The tools of a catalogue that were tried before, and why they do not reach."""
     seen: float = float("nan")
     """The share of the head that the best eye sees, 0 to 1; NaN if no eyes were given."""
+
+    def __bool__(self) -> bool:
+        return self.is_reachable
 
     @property
     def comes_from(self) -> Floats:

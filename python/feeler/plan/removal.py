@@ -63,7 +63,10 @@ class Certificate:
 @documented
 @dataclass(frozen=True, eq=False)
 class Removal(OldAttributes):
-    """A path of parts out of a mock-up, or the blocking parts. Only `held_by` proves that there is no path."""
+    """A path of parts out of a mock-up, or the blocking parts; true if found.
+
+    Only `held_by` proves that there is no path.
+    """
 
     _RENAMED: ClassVar[Mapping[str, str]] = {"found": "is_found"}
     _GONE: ClassVar[Mapping[str, str]] = {"free": "a path that is found was verified: read is_found"}
@@ -103,6 +106,9 @@ class Removal(OldAttributes):
     def path(self) -> list[npt.NDArray[np.float64] | Screw]:
         """The legs as `Scene.check_path` takes them: the start pose, then a pose or a screw for each leg."""
         return [self.poses[0], *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
+
+    def __bool__(self) -> bool:
+        return self.is_found
 
     def __repr__(self) -> str:
         if self.is_found:

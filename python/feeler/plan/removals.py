@@ -44,7 +44,7 @@ from feeler.stopping import check_stop
 @documented
 @dataclass(frozen=True, eq=False)
 class PartsRemoval:
-    """The removal of one entry of `removals`."""
+    """The removal of one entry of `removals`; true if a path was found."""
 
     parts: tuple[int, ...]
     """The parts that move together, by number."""
@@ -54,6 +54,9 @@ class PartsRemoval:
     """The answer; one without a path where `error` says why there was no search."""
     error: str = ""
     """Why no path could be searched: none of the triangles can be queried. Empty if it was searched."""
+
+    def __bool__(self) -> bool:
+        return bool(self.removal)
 
 
 class Removals(Sequence[PartsRemoval]):

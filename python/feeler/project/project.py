@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn, cast
 
 from feeler.arguments import check_flag, check_kind, check_path, check_text, shown
 from feeler.atomic import atomic_file, check_target
@@ -16,6 +16,7 @@ from feeler.project.layout import SUFFIX
 from feeler.project.lock import Lock
 from feeler.project.opening import files_beside
 from feeler.project.parts import PartChanges, contents_of, revised, rows_of
+from feeler.project.rows import FindingChange, FindingRow, ProjectDocument
 from feeler.project.store import Store
 
 
@@ -64,16 +65,17 @@ class Project:
         """Whether nothing can be written."""
         return self._book.is_read_only
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> ProjectDocument:
         """What the workbench shows, by field: `hidden`, `sections`, `sequence`, `measures`, `requirements`, ...
 
-        Values are as in JSON, lengths in metres. Parts are numbers, which index `part_paths()`.
+        A `feeler.types.ProjectDocument`: values are as in JSON, lengths in metres. Parts are numbers, which index
+        `part_paths()`.
         """
         found = {row.id: self._book.value(row, "document") for row in self._book.rows("document")}
         for name in ("sequence", "measures", "viewpoints", "cards", "requirements"):
             table = {"viewpoints": "views"}.get(name, name)
             found[name] = [self._book.value(row, table) for row in self._book.rows(table)]
-        return found
+        return cast("ProjectDocument", found)
 
     def part_paths(self) -> list[str]:
         """The path of each part of the mock-up. Paths that several parts have end in `#2`, `#3` from the second on."""
@@ -96,17 +98,21 @@ class Project:
         """
         return self._book.clashes()
 
-    def findings(self) -> list[dict[str, Any]]:
-        """The findings as `feeler clash --json` lists them, in the order of the workbench."""
-        return self._book.findings()
+    def findings(self) -> list[FindingRow]:
+        """The findings as `feeler clash --json` lists them, in the order of the workbench.
 
-    def history(self, finding: str | None = None) -> list[dict[str, Any]]:
+        Rows are `feeler.types.FindingRow`s; `clashes()` has the same findings as a table.
+        """
+        return cast("list[FindingRow]", self._book.findings())
+
+    def history(self, finding: str | None = None) -> list[FindingChange]:
         """Each change of a finding's status or note, or of those of all findings, the oldest first.
 
-        A row has `id` of the finding, `at` (UTC), and the new `status`, `by` and `note`.
+        A row, a `feeler.types.FindingChange`, has the `id` of the finding, `at` (UTC), and the new `status`, `by` and
+        `note`.
         """
         wanted = None if finding is None else check_text("finding", finding, "the id of a finding, or None")
-        return self._book.history(wanted)
+        return cast("list[FindingChange]", self._book.history(wanted))
 
     def write_clashes(self, clashes: Clashes) -> None:
         """Writes the findings of a clash check in place of the previous ones, and each change of a status or note.

@@ -15,7 +15,7 @@ from feeler.tasks.workbook import write_xlsx
 
 @documented
 class Task(TaskFacts):
-    """How parts are taken out: the best plan that was found, in steps. See `task`."""
+    """How parts are taken out: the best plan that was found, in steps; true if there is one. See `task`."""
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Writes a page with a Gantt chart and the arithmetic of each step. It loads nothing. Raises `WriteError`."""

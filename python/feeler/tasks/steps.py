@@ -127,6 +127,9 @@ class TaskFacts:
     notes: tuple[str, ...] = ()
     """What was not checked, and which times are examples."""
 
+    def __bool__(self) -> bool:
+        return self.is_found
+
     def __len__(self) -> int:
         return len(self.steps)
 
