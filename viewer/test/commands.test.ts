@@ -142,6 +142,7 @@ test("other words find the command, before letters in order do", () => {
     preferences: "settings",
     tutorial: "tour",
     inches: "unit-in",
+    report: "report",
   };
   for (const [words, id] of Object.entries(wanted)) assert.equal(first(words), id, words);
   const all = (words: string): string[] => matchingCommands(words).map((command) => command.id);

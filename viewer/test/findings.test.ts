@@ -16,6 +16,7 @@ import {
   sentence,
   shownFindings,
   wayText,
+  withOthers,
 } from "../src/model/findings";
 
 interface Given {
@@ -172,6 +173,16 @@ test("a sentence is as sure as its figure", () => {
     said({ verdict: "contained", translation: [0, 0, 0.03] }),
     "Of shaft and housing, one is inside the other, 30 mm from coming out",
   );
+});
+
+test("a note that somebody else changed meanwhile keeps both", () => {
+  assert.equal(withOthers("mine", "", ""), "mine");
+  assert.equal(withOthers("mine", "old", "old"), "mine");
+  assert.equal(withOthers("", "old", "old"), "", "taken away");
+  assert.equal(withOthers("mine", "", "theirs"), "theirs\nmine");
+  assert.equal(withOthers("old", "old", "theirs"), "theirs", "nothing was typed");
+  assert.equal(withOthers("", "old", "theirs"), "theirs");
+  assert.equal(withOthers("same", "", "same"), "same");
 });
 
 test("names lose their middle", () => {

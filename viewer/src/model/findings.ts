@@ -53,6 +53,13 @@ export const NONE_SHOWN: ShownFindings = { groups: [], rows: new Int32Array(0), 
 export const statusOf = (list: FindingList, findings: Findings, row: number): FindingStatus =>
   findings.status[list.ids[row] ?? ""] ?? STATUSES[list.statusOf(row)] ?? "new";
 
+/** The note to save, where somebody else may have written `now` since `own` was begun on `before`: both are kept. */
+export function withOthers(own: string, before: string, now: string): string {
+  if (own === before || now === own) return now;
+  if (now === before || now === "") return own;
+  return own === "" ? now : `${now}\n${own}`;
+}
+
 export const noteOf = (list: FindingList, findings: Findings, row: number): string =>
   findings.notes[list.ids[row] ?? ""] ?? list.noteOf(row);
 

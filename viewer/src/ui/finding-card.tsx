@@ -1,6 +1,6 @@
 // The card of the chosen findings: what is said of one, status, note and group, and "ignore like this".
 
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import {
   beginIgnoring,
   changeIgnoring,
@@ -13,7 +13,7 @@ import {
 } from "../actions/findings";
 import type { FindingStatus } from "../link/protocol";
 import { formatCount } from "../math/units";
-import { factsText, noteOf, STATUSES, sentence, statusOf } from "../model/findings";
+import { factsText, noteOf, STATUSES, sentence, statusOf, withOthers } from "../model/findings";
 import { revisionText } from "../model/stale";
 import { useWorkbench } from "./context";
 
@@ -125,11 +125,11 @@ function GroupChoice({ member }: { member: number }) {
 
 function Note({ row, value }: { row: number; value: string }) {
   const wb = useWorkbench();
-  const [draft, setDraft] = useState<string | null>(null);
+  const [draft, setDraft] = useState<{ text: string; before: string } | null>(null);
   const settle = (): void => {
-    const next = draft?.trim();
     setDraft(null);
-    if (next !== undefined && next !== value) void mark(wb, { note: next }, [row]);
+    const next = draft && withOthers(draft.text.trim(), draft.before, value);
+    if (next !== null && next !== value) void mark(wb, { note: next }, [row]);
   };
   return (
     <textarea
@@ -137,9 +137,9 @@ function Note({ row, value }: { row: number; value: string }) {
       rows={2}
       placeholder="Note"
       aria-label="Note of the finding"
-      value={draft ?? value}
+      value={draft?.text ?? value}
       disabled={wb.store.is_read_only.value}
-      onInput={(event) => setDraft(event.currentTarget.value)}
+      onInput={(event) => setDraft({ text: event.currentTarget.value, before: draft?.before ?? value })}
       onBlur={settle}
       onKeyDown={(event) => {
         event.stopPropagation();
@@ -155,6 +155,8 @@ function Note({ row, value }: { row: number; value: string }) {
 function IgnoreForm() {
   const wb = useWorkbench();
   const { ignoring } = wb.store.findings;
+  const form = useRef<HTMLFormElement>(null);
+  useEffect(() => form.current?.scrollIntoView({ block: "nearest" }), []);
   const given = ignoring.value;
   if (!given) return null;
   const field = (name: "name" | "a" | "b", label: string) => (
@@ -173,6 +175,7 @@ function IgnoreForm() {
   const { count, trouble } = given;
   return (
     <form
+      ref={form}
       class="ignore-form"
       aria-label="Ignore like this"
       onSubmit={(event) => {
