@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole, shown
+from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole
 from feeler.choices import TaskVerb
 from feeler.errors import OptionError
 from feeler.io.plausible import length_text
@@ -29,6 +29,7 @@ from feeler.tasks.ahead import Ahead
 from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
+from feeler.tasks.forced import forced_order
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
@@ -169,7 +170,7 @@ def planned(
             return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
 
         known = memory.found((wanted, kept, seed, loose, riding), scene, look)
-        forced = _forced(scene, pairs, known.question)
+        forced = forced_order(scene, pairs, known.question)
         with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
             actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
             if known.actions is not None:
@@ -203,29 +204,6 @@ def planned(
             except TaskInterrupted as stopped:
                 raise (TaskInterrupted(answer) if answer.is_found else stopped) from None
     return answer
-
-
-def _forced(scene: Scene, before: Sequence[object], question: Together) -> dict[int, frozenset[int]]:
-    """Of items those that have to go before them."""
-    found: dict[int, frozenset[int]] = {}
-    for pair in before:
-        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            raise OptionError(f"before has {shown(pair)}: give pairs of parts: what goes first, and what after it")
-        first, second = (scene.mockup.parts.select(each).tolist() for each in pair)
-        if set(first) & set(second):
-            path = scene.mockup.part_paths[min(set(first) & set(second))]
-            raise OptionError(f"before has {path!r} before itself: name two parts")
-        ahead = frozenset(question.node_of(part) for part in first)
-        for item in {question.node_of(part) for part in second}:
-            found[item] = found.get(item, frozenset()) | ahead
-    left = dict(found)
-    while free := [item for item, ahead in left.items() if not ahead & left.keys()]:
-        for item in free:
-            del left[item]
-    if left:
-        paths = sorted({scene.mockup.part_paths[part] for item in left for part in question.parts_of([item])[:1]})
-        raise OptionError(f"before goes in a circle: {', '.join(map(repr, paths))} wait for each other")
-    return found
 
 
 def _wanted(scene: Scene, parts: PartsLike) -> tuple[int, ...]:
