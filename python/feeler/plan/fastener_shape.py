@@ -98,6 +98,9 @@ STEEP_DEG = 30.0
 """Angle between the normals of the flanks of teeth and the radius, at least: facets of round heads are turned less."""
 STEEP_SHARE = 0.15
 """The least share of flanks in the outline of a toothed wheel."""
+END_SLOPE, FLANKS = 0.98, 0.3
+"""The least cosine of the angle between the axis and the normals of ends, and the least share of flanks in the outside
+of a rod with a thread: chamfers of a pin have less."""
 HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head, relative to its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
@@ -201,6 +204,16 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
         *("rod", sign * axis, top, length, is_two_sided, 0.5 * min(upper, lower), 2.0 * min(upper, lower)),
         *(np.nan, length, np.nan, False, "it is as wide in both directions across its axis"),
     )
+
+
+def is_plain(vertices: Floats, faces: Ints, looks: Looks) -> bool:
+    """Whether the outside of a rod has no thread: hardly any of it slopes to both ends, as flanks do."""
+    corners = vertices[faces] - looks.top
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(cross, axis=1)
+    lean = np.abs(cross @ looks.axis) / np.maximum(area, 1e-300)
+    is_flank, is_wall = (lean >= WALL_SLOPE) & (lean < END_SLOPE), lean < WALL_SLOPE
+    return bool(area[is_flank].sum() < FLANKS * area[is_flank | is_wall].sum())
 
 
 def bore_of(vertices: Floats, faces: Ints, looks: Looks) -> float | None:

@@ -17,8 +17,8 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import is_by_hand, kind_said, says_nothing
-from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_round_nut, looks_of, needs_thread, rod_of
+from feeler.plan.fastener_names import is_by_hand, kind_said, may_be_pin, says_nothing
+from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_plain, is_round_nut, looks_of, needs_thread, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
 from feeler.progress import Progress
@@ -377,9 +377,10 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
     names = [said[part] for part in shape.parts]
     rod = rod_of(shape.vertices, faces) if looks is None and any(kind in KINDS for kind in names) else None
     bore = bore_of(shape.vertices, faces, rod) if rod is not None and "nut" in names else None
+    is_pin = rod is not None and is_plain(shape.vertices, faces, rod)
     found = []
     for part, place, name in zip(shape.parts.tolist(), shape.places, names, strict=True):
-        seen = looks or (rod if name in KINDS else None)
+        seen = looks or (rod if name in KINDS and not (is_pin and may_be_pin(world.part_names[part])) else None)
         if seen is None:
             continue
         confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
