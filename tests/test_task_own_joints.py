@@ -302,3 +302,21 @@ def test_what_a_kept_fastener_is_screwed_into_stays_with_it() -> None:
     assert not feeler.task(scene, "foot", keep="stud").is_found
     loose = feeler.task(scene, "nut", keep=["washer", "foot"])
     assert steps(loose) == [("undo", "nut")] and loose.steps[0].paths == ("nut",)
+
+
+def keyed() -> dict[str, Any]:
+    """A hub on a shaft with a parallel key in a closed keyway."""
+    slot = block((-4.02, 8.5, -10.02), (4.02, 20, 10.02))
+    shaft = cylinder(12.5, -50, 40, 64) + cylinder(18, -50, -12, 64) - slot
+    hub = cylinder(25, -11.98, 12, 64) - cylinder(12.52, -20, 20, 64) - block((-4.02, 0, -20), (4.02, 15.8, 20))
+    return {"shaft": shaft, "key": block((-4, 8.52, -10), (4, 15.5, 10)), "hub": hub}
+
+
+def test_a_key_is_taken_out_of_its_shaft_not_with_it() -> None:
+    for seed in range(2):
+        scene = feeler.Scene(tilted(meshes(keyed()), seed))
+        assert [step.paths for step in feeler.task(scene, "key").steps] == [("hub",), ("key",)]
+        assert [step.paths for step in feeler.task(scene, "shaft").steps] == [("shaft", "key")]
+    stays = feeler.task(scene, "key", keep="hub")
+    assert [step.paths for step in stays.steps] == [("shaft", "key")]
+    assert stays.notes[0] == "'key' leaves together with 'shaft': take it out of that."

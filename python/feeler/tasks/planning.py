@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -159,17 +159,20 @@ def planned(
         return with_wanted_studs(scene, rows, joined, wanted)
 
     def plan(
-        riding: frozenset[int], loose: frozenset[int], gives_up: Callable[[frozenset[int]], bool]
+        stays: frozenset[int],
+        riding: frozenset[int],
+        loose: frozenset[int],
+        gives_up: Callable[[frozenset[int]], bool],
     ) -> tuple[Task, _Planner]:
-        """The answer with some circlips that leave with their part, and some plugs that do not."""
+        """The answer with some circlips that leave with their part, and some plugs that do not. stays: what is kept."""
 
         def look() -> Known:
             rows, joined = looked()
             fixings = Fixings(scene, rows, joined, table, loose, riding)
             clock.stage(READY, "looking at what leaves together")
-            return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+            return Known(fixings, _question(scene, wanted, stays, fixings, seed, workers))
 
-        known = memory.found((wanted, kept, seed, loose, riding), scene, look)
+        known = memory.found((wanted, stays, seed, loose, riding), scene, look)
         forced = forced_order(scene, pairs, known.question)
         with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
             actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
@@ -180,21 +183,34 @@ def planned(
             planner = _Planner(actions, leading, clock, crew, paths, forced, gives_up)
             return planner.task(), planner
 
-    def best(riding: frozenset[int]) -> tuple[Task, _Planner]:
+    def best(riding: frozenset[int], stays: frozenset[int] = kept) -> tuple[Task, _Planner]:
         """The answer. A set screw may be in the way of its own part: it is undone if no straight way takes both out,
         before bent ones are searched."""
-        answer, planner = plan(riding, frozenset(), bool)
+        answer, planner = plan(stays, riding, frozenset(), bool)
         loose = frozenset[int]()
         while planner.plugs and not answer.is_found and clock.goes_on():
             loose |= planner.plugs
-            answer, planner = plan(riding, loose, lambda _: True)
+            answer, planner = plan(stays, riding, loose, lambda _: True)
         for some in [frozenset[int](), loose] if loose else []:
             if not answer.is_found and clock.goes_on():
-                answer, planner = plan(riding, some, lambda _: False)
+                answer, planner = plan(stays, riding, some, lambda _: False)
         return answer, planner
 
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
     answer, planner = best(frozenset())
+    around = planner.carriers(answer)
+    if around and clock.goes_on():
+        # It would leave in a larger part, as a key in its shaft, and not be out of that.
+        try:
+            alone, other = best(frozenset(), kept | around)
+        except TaskInterrupted:
+            raise TaskInterrupted(answer) from None
+        if alone.is_found:
+            answer, planner = replace(alone, bound=min(answer.bound, alone.bound)), other
+        else:
+            named = ", ".join(repr(scene.mockup.part_paths[part]) for part in sorted(around)[:MOST_NAMED])
+            said = f"{', '.join(map(repr, paths[:MOST_NAMED]))} leaves together with {named}: take it out of that."
+            answer = replace(answer, notes=(said, *answer.notes))
     if pairs:
         return answer  # it may be about circlips
     for riding in riding_rings(scene, planner.actions.fixings.held, answer, wanted, kept, planner.stuck):
@@ -318,6 +334,13 @@ class _Planner:
         """The last search."""
         assert self._search is not None
         return self._search
+
+    def carriers(self, answer: Task) -> frozenset[int]:
+        """The parts larger than the wanted ones that leave together with these in an answer."""
+        if not answer.is_found or not self.question.wanted:
+            return frozenset()
+        others = set(answer.steps[-1].parts) - set(self.question.parts_of([TARGET]))
+        return frozenset(part for part in others if self.actions.is_smaller(TARGET, part))
 
     def task(self) -> Task:
         """The best plan whose ways hold. Raises `TaskInterrupted` at Ctrl-C."""
