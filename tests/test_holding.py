@@ -283,6 +283,13 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
                 "Steckbolzen 8",
                 "DIN EN 22341 8x30",
                 "axe d'articulation",
+                "Bolzen 8x30",
+                "Bolzen mit Kopf",
+                "Perno",
+                "Spinotto 3",
+                "coppiglia elastica",
+                "Zylinderstift mit Innengewinde",
+                "clavija",
             )
         ),
         *(
@@ -302,6 +309,13 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
                 "retaining ring, external",
                 "E-ring big",
                 "circlip for shaft",
+                "anello di sicurezza",
+                "Anello di arresto 20",
+                "anneau de retenue",
+                "anillo seeger",
+                "Innensicherungsring",
+                "retaining ring with lugs",
+                "C-clip",
             )
         ),
         *(
@@ -319,9 +333,11 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
                 "clamp lower half 2",
                 "Rohrschelle oben",
                 "P-clip (black)",
+                "Doppelschelle",
             )
         ),
         *((name, None) for name in ("pinion", "spindle", "pin block", "ISO 4762 M8", "ISO 7", "DIN 933 M8", "ring")),
+        *((name, None) for name in ("Gewindestift", "anello di tenuta", "Stehbolzen", "plate with pin")),
         *((name, None) for name in ("circlip cover", "circlip holder", "clamp plate", "upper half", "pin plate rear")),
     ],
 )

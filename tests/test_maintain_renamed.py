@@ -231,3 +231,11 @@ def test_the_command_line_says_what_was_renamed(tmp_path: Path) -> None:
     assert again["failing"] == {"slower": ["*s0/cover"]} and again["rows"][0]["change"].endswith("since lid moved")
     strange = saved(tmp_path, "strange.feeler", {f"z{n}": box((n, 7, 7), (n + 0.5, 8, 9)) for n in range(2)})
     assert "none of its parts is in this one" in error_of("maintain", strange, "--part", "z0", "--previous", last)
+
+
+@pytest.mark.parametrize("now", [lambda path: f"new/{path}", lambda path: f"{path}_B" if "s1" in path else path])
+def test_a_row_that_keeps_renamed_parts_is_kept(now: Callable[[str], str]) -> None:
+    old = parts(2)
+    rows = [{"part": "*s0*/cover*", "keep": "*s1*/*"}, {"part": "*s1*/cover*", "keep": "*s0*/cover*"}]
+    run = planned({now(path): mesh for path, mesh in old.items()}, planned(old, rows=rows), rows)
+    assert all(row.is_kept and row.delta == 0.0 and not row.change for row in run)

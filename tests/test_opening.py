@@ -228,3 +228,18 @@ def test_the_command(tmp_path: Path) -> None:
     assert "no" in run(*words, "--limits", limits, code=1).stdout
     assert "give --at X,Y,Z and --axis X,Y,Z" in error_of("opening", plate)
     assert "there is no mock-up" in error_of("opening", "--at", "0,0,0", "--axis", "0,0,1")
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 13.7, 30.0])
+@pytest.mark.parametrize(("slit", "aspect"), [(0.0005, 1.0), (0.0005, 0.05), (0.003, 0.1), (0.01, 0.01), (0.01, 20.0)])
+def test_boxes_in_a_narrow_slit(slit: float, aspect: float, turn_deg: float) -> None:
+    """The turn of a slender box costs many times more of its width than of its height."""
+    parts = {
+        "high": box((-1.0, slit / 2, -0.005), (1.0, 1.0, 0.005)),
+        "low": box((-1, -1, -0.005), (1, -slit / 2, 0.005)),
+    }
+    c, s = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
+    scene = posed(parts, np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3))
+    found = feeler.opening(scene, [0.0, 0.0, 0.0], Z, aspect=aspect, reach=0.02, most=2.0)
+    assert about(found.width, slit / min(aspect, 1.0)), found.width
+    assert found.height == pytest.approx(aspect * found.width)

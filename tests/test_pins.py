@@ -123,6 +123,24 @@ def test_a_cotter_pin_goes_through_a_rod_whatever_that_is_called(name: str, rod:
         assert steps(scene, "rod") == [f"take out {name}", f"take out {rod}", "take out rod"]
 
 
+@pytest.mark.parametrize("name", ["Bolzen", "Perno 10"])
+def test_a_rod_is_a_pin_where_its_name_may_say_bolt(name: str) -> None:
+    """With a head and a hole for a cotter pin, or plain through a hinge. With a head for a tool it is a bolt."""
+    parts = clevis({"split_pin": cotter(0.0015, 0.0058, 0.006)})
+    scene = tilted({name if part == "clevis_pin" else part: mesh for part, mesh in parts.items()}, 8)
+    assert (held_by(scene, "split_pin").anchor_path, held_by(scene, name).kind) == (name, "pin")
+    assert steps(scene, "rod") == ["take out split_pin", f"take out {name}", "take out rod"]
+    scene = tilted(pinned(name, solid([(0.0025, -0.02), (0.0025, 0.02)], 24)), 6)
+    assert held_by(scene, name).kind == "pin" and steps(scene, "hub") == [f"take out {name}", "take out hub"]
+    hexagon = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
+    for named, mesh in (
+        (f"{name} M8", solid([(0.004, -0.02), (0.004, 0.02)], 24)),
+        (name, (hexagon.vertices, hexagon.faces.astype(np.int64))),
+    ):
+        (row,) = feeler.find_fasteners(tilted({named: mesh, "lump": box((1, 1, 1), (1.1, 1.1, 1.1))}, 1))
+        assert row.kind == "bolt", row.because
+
+
 def test_a_wire_across_a_rod_is_no_cotter_pin_if_it_can_be_drawn() -> None:
     parts = clevis({"part_7": solid([(0.0012, -0.012), (0.0012, 0.012)], 16)})
     parts["part_7"] = placed(placed(parts["part_7"], at(z=-0.0235)), at(degrees=90.0, axis=1))

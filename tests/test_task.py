@@ -130,8 +130,12 @@ def test_a_forced_order_is_kept_and_one_that_cannot_be_is_said(covered: feeler.S
     blocked = feeler.task(covered, "cover", driver(), before=[("bolt", "lid")])
     assert not blocked.is_found and "order was forced" in blocked.notes[-1]
     assert not any("no tool reaches it" in each.because for each in blocked.blocked)
-    with pytest.raises(OptionError, match="before goes in a circle: 'a', 'b' wait for each other"):
+    with pytest.raises(OptionError, match="before goes in a circle: 'a' before 'b' before 'a': leave one"):
         feeler.task(two, ["a", "b"], before=[("a", "b"), ("b", "a")])
+    with pytest.raises(OptionError, match="before goes in a circle: 'a' before 'under' before 'b' before 'a': leave"):
+        feeler.task(two, "case", before=[("under", "b"), ("b", "a"), ("a", "under"), ("a", "case")])
+    with pytest.raises(OptionError, match="before has 'under' before 'case', which leave together: leave this pair"):
+        feeler.task(two, ["case", "under"], before=[("under", "case")])
     for wrong in ([("a", "a")], [("a",)], ["ab"], {"a": "b"}, 3):
         with pytest.raises(OptionError):
             feeler.task(two, "a", before=wrong)  # type: ignore[arg-type]

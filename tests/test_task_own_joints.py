@@ -255,6 +255,25 @@ def test_screws_of_half_a_clamp_do_not_hold_the_pipe() -> None:
     assert steps(task)[-1] == ("take out", "pipe")
 
 
+@pytest.mark.parametrize("open_deg", [180, 120])
+def test_a_pipe_lies_in_half_a_clamp_and_is_held_by_a_clip(open_deg: int) -> None:
+    """Half a clamp without screws and without its other half holds nothing; a clip that is open less springs."""
+    rise = 30.0 * float(np.tan(np.radians(90.0 - 0.5 * open_deg)))
+    mouth = solids.CrossSection([[(0.0, 0.0), (30.0, rise), (30.0, 60.0), (-30.0, 60.0), (-30.0, rise)]])
+    shell = cylinder(14, -20, 20, 48) - cylinder(10.02, -21, 21, 48) - mouth.extrude(60).translate((0, 0, -30))
+    parts = {
+        "pipe": (cylinder(10, -60, 60, 48) - cylinder(8, -61, 61, 48)) + (cylinder(14, 50, 60) - cylinder(8, 49, 61)),
+        "clamp_lower": shell,
+        "lump": block((100, 100, 100), (110, 110, 110)),
+    }
+    for seed in range(2):
+        scene = feeler.Scene(tilted(meshes(parts), seed))
+        held = {row.path: row.paths for row in feeler.holds(scene)}
+        assert held == ({} if open_deg == 180 else {"clamp_lower": ("pipe",)})
+    if open_deg == 180:
+        assert steps(feeler.task(scene, "pipe")) == [("take out", "pipe")]
+
+
 def test_a_kept_clamp_leaves_with_nothing() -> None:
     parts = {name: each for name, each in halves_on_a_wall().items() if name != "wall" and "screw" not in name}
     task = feeler.task(feeler.Scene(tilted(meshes(parts), 4)), "pipe", keep="clamp_lower")
@@ -283,3 +302,21 @@ def test_what_a_kept_fastener_is_screwed_into_stays_with_it() -> None:
     assert not feeler.task(scene, "foot", keep="stud").is_found
     loose = feeler.task(scene, "nut", keep=["washer", "foot"])
     assert steps(loose) == [("undo", "nut")] and loose.steps[0].paths == ("nut",)
+
+
+def keyed() -> dict[str, Any]:
+    """A hub on a shaft with a parallel key in a closed keyway."""
+    slot = block((-4.02, 8.5, -10.02), (4.02, 20, 10.02))
+    shaft = cylinder(12.5, -50, 40, 64) + cylinder(18, -50, -12, 64) - slot
+    hub = cylinder(25, -11.98, 12, 64) - cylinder(12.52, -20, 20, 64) - block((-4.02, 0, -20), (4.02, 15.8, 20))
+    return {"shaft": shaft, "key": block((-4, 8.52, -10), (4, 15.5, 10)), "hub": hub}
+
+
+def test_a_key_is_taken_out_of_its_shaft_not_with_it() -> None:
+    for seed in range(2):
+        scene = feeler.Scene(tilted(meshes(keyed()), seed))
+        assert [step.paths for step in feeler.task(scene, "key").steps] == [("hub",), ("key",)]
+        assert [step.paths for step in feeler.task(scene, "shaft").steps] == [("shaft", "key")]
+    stays = feeler.task(scene, "key", keep="hub")
+    assert [step.paths for step in stays.steps] == [("shaft", "key")]
+    assert stays.notes[0] == "'key' leaves together with 'shaft': take it out of that."

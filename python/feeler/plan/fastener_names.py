@@ -13,16 +13,22 @@ PIPES = (
 """Words of names of what fittings join."""
 
 KINDS = {
-    "bolt": "bolt bolts hexbolt setbolt bolzen sechskantschraube perno tornillo boulon bullone",
+    "bolt": "bolt bolts hexbolt setbolt bolzen sechskantschraube perno pernos tornillo tornillos boulon boulons "
+    "bullone bulloni bulon bulones",
     "screw": "screw screws capscrew setscrew grubscrew machinescrew thumbscrew thumbscrews wingscrew wingscrews "
-    "schraube zylinderschraube gewindestift gewindestifte vis vite shcs",
-    "nut": "nut nuts hexnut locknut wingnut jamnut capnut unionnut mutter sechskantmutter ecrou tuerca dado",
-    "stud": "stud studs stiftschraube gewindestange goujon",
+    "schraube zylinderschraube gewindestift gewindestifte vis vite viti grano prisionero shcs",
+    "nut": "nut nuts hexnut locknut wingnut jamnut capnut unionnut mutter sechskantmutter ecrou ecrous tuerca tuercas "
+    "dado dadi",
+    "stud": "stud studs stiftschraube gewindestange gewindebolzen stehbolzen schraubenbolzen schweissbolzen goujon "
+    "goujons prigioniero prigionieri esparrago esparragos",
 }
 """Words, in lower case, by kind of fastener."""
 
 ENDINGS = {"mutter": "nut", "muttern": "nut", "schraube": "screw", "schrauben": "screw"}
 """How words end that are two in one, such as "Flügelmutter"."""
+
+BOLT_OR_PIN = "bolzen perno pernos bulon bulones goujon goujons"
+"""Those that also name pins: a rod without a head for a tool and without a thread is one."""
 
 STANDARDS = {
     "bolt": "478 479 480 603 609 910 931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
@@ -42,12 +48,14 @@ BY_HAND = (
 
 RETAINERS = {
     "circlip": "circlip circlips snapring snaprings retainingring retainingrings seeger seegerring sicherungsring "
-    "wellensicherungsring bohrungssicherungsring sicherungsscheibe haltering sprengring eclip eclips "
-    "ering erings",
-    "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift zylinderstift passstift "
-    "spannstift kegelstift kerbstift splint splinte sicherungssplint federsplint federstecker klappstecker spannhuelse "
-    "spannhulse springpin springpins taperpin hairpin hairpins hairpinclip hairpinclips rclip rclips betaclip "
-    "hitchpin linchpin lynchpin clevispin copiglia steckbolzen gelenkbolzen",
+    "wellensicherungsring bohrungssicherungsring sicherungsscheibe haltering sprengring seegering eclip eclips cclip "
+    "cclips ering erings truarc",
+    "pin": "pin pins dowel dowels cotter cotters splitpin splitpins rollpin rollpins stift stifte zylinderstift "
+    "passstift spannstift kegelstift kerbstift federstift haltestift fixierstift zentrierstift "
+    "sicherungsstift kerbnagel splint splinte sicherungssplint federsplint federstecker klappstecker "
+    "spannhuelse spannhulse springpin springpins taperpin hairpin hairpins hairpinclip hairpinclips rclip "
+    "rclips betaclip hitchpin linchpin lynchpin clevispin steckbolzen gelenkbolzen lagerbolzen drehbolzen "
+    "passbolzen achsbolzen kolbenbolzen sicherungsbolzen bolzen perno pernos bulon bulones goujon goujons",
     "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer "
     "spannschelle klemmschelle schlauchklemme spannband "
     "banjo banjos banjoeye banjofitting banjounion ringstutzen ringauge",
@@ -57,10 +65,24 @@ RETAINERS = {
 }
 """Last words of names, of two words written as one too, by kind of what holds parts without a thread."""
 
+RETAINER_ENDINGS = {
+    "sicherungsring": "circlip",
+    "sicherungsringe": "circlip",
+    "sprengring": "circlip",
+    "seegerring": "circlip",
+    "zylinderstift": "pin",
+    "spannstift": "pin",
+    "schelle": "clasp",
+    "schellen": "clasp",
+}
+"""How such words end that are two in one, such as "Innensicherungsring"."""
+
 RETAINERS_FIRST = {
-    "circlip": "circlip circlips anneauelastique anneauarret segmentarret anelloelastico anelloseeger anilloelastico "
-    "anilloseguridad anilloretencion",
-    "pin": "goupille goupilles broche broches axearticulation spina pasador pasadores",
+    "circlip": "circlip circlips anneauelastique anneauarret anneauretenue segmentarret anelloelastico anelloseeger "
+    "anellosicurezza anelloarresto anelloritegno anilloelastico anilloseguridad anilloretencion anilloseeger "
+    "anillobloqueo",
+    "pin": "goupille goupilles broche broches axearticulation axechape axepivot spina spine spinotto spinotti copiglia "
+    "copiglie coppiglia coppiglie pasador pasadores clavija clavijas",
     "clasp": "collier colliers brideserrage fascetta fascette abrazadera abrazaderas",
     "fitting": "raccord raccords raccordo raccordi racor racores",
 }
@@ -111,6 +133,7 @@ _KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for num
 _RETAINER_OF_WORD = {word: kind for kind, words in RETAINERS.items() for word in words.split()}
 _RETAINER_OF_FIRST = {word: kind for kind, words in RETAINERS_FIRST.items() for word in words.split()}
 _RETAINER_OF_STANDARD = {number: kind for kind, numbers in RETAINER_STANDARDS.items() for number in numbers.split()}
+_BOLT_OR_PIN = frozenset(BOLT_OR_PIN.split())
 _BY_HAND = frozenset(BY_HAND.split())
 _PLACES = frozenset(PLACES.split())
 _KEEPERS = frozenset(KEEPERS.split())
@@ -121,6 +144,8 @@ _HEADS = frozenset(HEADS.split())
 _SUPPORTING = frozenset(SUPPORTING.split())
 _STANDARD = re.compile(r"(?:din|iso|en)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?(\d{2,5})(?!\d)", re.IGNORECASE)
 _DIN = re.compile(r"(?:din[ _\-]*\d{1,2}|(?:din|iso)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?\d{3,5})(?!\d)", re.IGNORECASE)
+_WITH = re.compile(r"[ _\-](?:with|without|mit|ohne|avec|sans|con|senza|sin)[ _\-]", re.IGNORECASE)
+_METRIC = re.compile(r"(?<![A-Za-z])M\d")
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 
@@ -133,8 +158,14 @@ def kind_said(name: str) -> str | None:
     if standard is not None and standard.group(1) in _KIND_OF_STANDARD:
         return _KIND_OF_STANDARD[standard.group(1)]
     plain = _without_accents(name)
-    # "set screw, socket" is a screw: words after a comma describe it.
-    return next((said for said in map(_said, re.split(r"[,;(]", plain)) if said is not None), None)
+    # "set screw, socket" is a screw, and so is a screw with washer: words behind these describe it.
+    phrases = [phrase for described in _WITH.split(plain) for phrase in re.split(r"[,;(]", described)]
+    return next((said for said in map(_said, phrases) if said is not None), None)
+
+
+def may_be_pin(name: str) -> bool:
+    """Whether a name that says bolt or stud is as often that of a pin: "Bolzen", but not "Bolzen M8"."""
+    return not _METRIC.search(name) and any(word in _BOLT_OR_PIN for word in words(_without_accents(name)))
 
 
 def retainer_said(name: str) -> str | None:
@@ -144,7 +175,7 @@ def retainer_said(name: str) -> str | None:
     number = "" if standard is None else standard.group().lstrip("DINSOEdinsoe _-")
     if number in _RETAINER_OF_STANDARD:
         return _RETAINER_OF_STANDARD[number]
-    plain = _without_accents(name)
+    plain = _WITH.split(_without_accents(name))[0]
     # "retaining ring, external" is one: words after a comma may describe it.
     phrases = dict.fromkeys([plain, re.split(r"[,;(]", plain)[0]])
     return next((said for said in map(_retainer, phrases) if said is not None), None)
@@ -159,6 +190,9 @@ def _retainer(phrase: str) -> str | None:
     for last in ("".join(every[-2:]), "".join(said[-2:]), *said[-1:]):
         if last in _RETAINER_OF_WORD:
             return _RETAINER_OF_WORD[last]
+    for ending, kind in RETAINER_ENDINGS.items():
+        if said and said[-1].endswith(ending):
+            return kind
     if said and said[-1] in _KEEPERS:
         return None
     nouns = [word for word in said if len(word) > 2]  # without "de", "di"

@@ -80,6 +80,8 @@ WIDE_NUT = (BORE_TO_FLATS[1], 0.92)
 """The bore of a lock nut, relative to its width across flats: 0.7 to 0.84 for sensors, up to 0.9 for cable glands."""
 WIDE_NUT_HEIGHT = (0.08, 1.0)
 """Its height, relative to its width across flats: 0.1 and more for cable glands; spacers are longer."""
+BORE_END = 0.2
+"""How far from its ends the thread of a round nut begins at most, because of chamfers, relative to its height."""
 BORE_TO_12_POINT = 0.86
 """The same limit for a 12-point nut: M8 has 10 mm across flats."""
 WIDEST_FLANGE = 2.0
@@ -96,6 +98,9 @@ STEEP_DEG = 30.0
 """Angle between the normals of the flanks of teeth and the radius, at least: facets of round heads are turned less."""
 STEEP_SHARE = 0.15
 """The least share of flanks in the outline of a toothed wheel."""
+END_SLOPE, FLANKS = 0.98, 0.3
+"""The least cosine of the angle between the axis and the normals of ends, and the least share of flanks in the outside
+of a rod with a thread: chamfers of a pin have less."""
 HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head, relative to its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
@@ -199,6 +204,16 @@ def rod_of(vertices: Floats, faces: Ints) -> Looks | None:
         *("rod", sign * axis, top, length, is_two_sided, 0.5 * min(upper, lower), 2.0 * min(upper, lower)),
         *(np.nan, length, np.nan, False, "it is as wide in both directions across its axis"),
     )
+
+
+def is_plain(vertices: Floats, faces: Ints, looks: Looks) -> bool:
+    """Whether the outside of a rod has no thread: hardly any of it slopes to both ends, as flanks do."""
+    corners = vertices[faces] - looks.top
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(cross, axis=1)
+    lean = np.abs(cross @ looks.axis) / np.maximum(area, 1e-300)
+    is_flank, is_wall = (lean >= WALL_SLOPE) & (lean < END_SLOPE), lean < WALL_SLOPE
+    return bool(area[is_flank].sum() < FLANKS * area[is_flank | is_wall].sum())
 
 
 def bore_of(vertices: Floats, faces: Ints, looks: Looks) -> float | None:
@@ -399,7 +414,8 @@ def _nut(
     """A prism with a bore. to_flats: the bore, relative to the width across flats; to_points: its limit for 12 points;
     heights: relative to that width."""
     prisms = [b for b in view.outer() if b.sides]
-    bores = [b for b in view.inner() if b.sides or b.directions != 6]  # six directions may be a castle nut's slots
+    # Six directions may be a castle nut's slots.
+    bores = [b for b in view.inner() if b.sides or b.directions != 6] or view.threads
     if not prisms or not bores:
         return None
     body, bore = max(prisms, key=lambda b: (b.sides > 4, b.radius)), min(bores, key=lambda b: b.radius)
@@ -475,19 +491,44 @@ def _long_nut(view: View) -> Found | None:
     return None if found is None else replace(found, is_strong=False, is_known_by_name=True)
 
 
+def _round_nut(view: View) -> Found | None:
+    """A round nut with the flanks of its thread. Flanges and bosses look so too, so what is in its thread decides."""
+    wide, full = float(view.r.max()), view.high - view.low
+    if not view.threads or any(b.sides for b in view.outer()):
+        return None
+    thread = view.threads[0]
+    least, end = float(view.r.min()), BORE_END * full
+    is_through = least > 0.9 * thread.radius and thread.low < view.low + end and thread.high > view.high - end
+    if not is_through or not BORE_TO_FLATS[0] <= least / wide <= WIDE_NUT[1] or full > NUT_HEIGHT[1] * 2.0 * wide:
+        return None
+    because = f"a round body of {mm(2.0 * wide)}, with a thread of {mm(2.0 * least)} right through it"
+    ring = 0.5 * (least + wide)
+    return Found("nut", 2.0 * least, np.nan, full, full, ring, because, "", True, False, is_known_by_name=True)
+
+
+def is_round_nut(looks: Looks) -> bool:
+    """Whether a shape is a round nut as far as it shows."""
+    return looks.kind == "nut" and looks.is_known_by_name and np.isnan(looks.across_flats)
+
+
 def is_long(looks: Looks) -> bool:
     """Whether a shape is a nut that is longer than those of the standards."""
     return looks.kind == "nut" and looks.is_known_by_name and looks.height > NUT_HEIGHT[1] * looks.across_flats
 
 
-def is_wide(looks: Looks) -> bool:
+def needs_thread(looks: Looks) -> bool:
+    """Whether a shape is a nut if it has threads in it."""
+    return _is_wide(looks) or is_long(looks) or is_round_nut(looks)
+
+
+def _is_wide(looks: Looks) -> bool:
     """Whether a shape is a lock nut as far as it shows."""
     return looks.kind == "nut" and looks.is_known_by_name and looks.size > WIDE_NUT[0] * looks.across_flats
 
 
 def _wing_nut(view: View) -> Found | None:
     wings = wings_of(view.across, view.r)
-    bores = [b for b in view.inner() if not b.sides or b.directions == 6]
+    bores = [b for b in view.inner() if not b.sides or b.directions == 6] or view.threads
     if wings is None or not bores:
         return None
     hub, reach = wings
@@ -574,4 +615,4 @@ def _prism(view: View) -> Found | None:
 
 
 _USUAL: tuple[_Form, ...] = (wing_screw, _bolt, _recessed_screw, _nut, _wing_nut, _round_screw, _stud, _prism)
-_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut, _long_nut)
+_LESS_USUAL: tuple[_Form, ...] = (*LESS_USUAL, *RARE, _thick_nut, _wide_nut, _long_nut, _round_nut)

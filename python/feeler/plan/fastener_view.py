@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -61,6 +61,13 @@ THREAD_TO_SHOULDER = (0.55, 0.95)
 """Radius of its thread, relative to its shoulder: 0.75 to 0.83 in ISO 7379."""
 THREAD_LENGTH = 1.0
 """The least length of that thread, in diameters: dog points are shorter."""
+INWARD = 0.02
+"""Share of a normal towards the axis, from which a surface faces it: flanks of flat threads have 0.05."""
+THREAD_DEPTH = 1.4
+"""The greatest radius of an internal thread, relative to its least: 1.3 for M1.6."""
+SECTOR_DEG, LEAST_TURNS = 20.0, 3
+"""In a sector to both sides of a place, the flanks of a thread face one end and the other in turn so often at least:
+chamfers of a bore do so once."""
 FLAT_SOCKETS = ("square socket", "hexagon socket", "12-point socket")
 """Recesses with a width across flats."""
 
@@ -84,6 +91,10 @@ class Body:
         """Along the axis."""
         return self.high - self.low
 
+    def flipped(self) -> Body:
+        """Seen from the other end."""
+        return replace(self, low=-self.high, high=-self.low)
+
 
 @dataclass(frozen=True, eq=False)
 class View:
@@ -99,6 +110,8 @@ class View:
     """At the upper and at the lower end."""
     walls: Walls
     """All of them."""
+    threads: list[Body]
+    """The internal thread, if its flanks are drawn, as a helix or as rings, with its least radius."""
 
     @property
     def low(self) -> float:
@@ -112,8 +125,9 @@ class View:
 
     def flipped(self) -> View:
         """Seen from the other end."""
-        bodies = [Body(b.radius, b.is_inside, b.directions, b.sides, -b.high, -b.low, b.share) for b in self.bodies]
-        return View(bodies, -self.z, self.r, self.across, self.recesses[::-1], self.walls.flipped())
+        bodies = [b.flipped() for b in self.bodies]
+        threads = [b.flipped() for b in self.threads]
+        return View(bodies, -self.z, self.r, self.across, self.recesses[::-1], self.walls.flipped(), threads)
 
     def outer_above(self, height: float) -> Body | None:
         """The outer walls above a height as one body; None if they are not at one distance around the axis.
@@ -209,7 +223,31 @@ def view_along(corners: Floats, area: Floats, normals: Floats, centre: Floats, a
     if share < LEAST_SYMMETRIC and not is_winged(rest[:, :2], r.reshape(-1)):
         return None
     kept = [body for body in bodies if body.share >= LEAST_BODY]
-    return View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses, walls)
+    return View(kept, rest[:, 2], r.reshape(-1), rest[:, :2], recesses, walls, _threads(points, area, turned))
+
+
+def _threads(points: Floats, area: Floats, normals: Floats) -> list[Body]:
+    """The internal thread of a shape along z, if its flanks are drawn: slopes that face the axis, and one end and the
+    other in turn."""
+    middle = points[..., :2].mean(axis=1)
+    out = np.maximum(np.hypot(middle[:, 0], middle[:, 1]), 1e-300)
+    is_flank = (normals[:, :2] * middle).sum(axis=1) < -INWARD * out
+    is_flank &= np.abs(normals[:, 2]) >= WALL_SLOPE
+    if not is_flank.any():
+        return []
+    r = np.hypot(points[..., 0], points[..., 1])
+    least = float(r[is_flank].min())
+    is_flank &= r.max(axis=1) <= THREAD_DEPTH * least  # no chamfer, and no cone of a drill
+    weight, z = area[is_flank], points[is_flank][..., 2]
+    if not len(weight):
+        return []
+    turn = np.arctan2(middle[is_flank, 1], middle[is_flank, 0])
+    near = np.cos(turn - turn[np.argmax(weight)]) > np.cos(np.radians(SECTOR_DEG))
+    facing = np.sign(normals[is_flank, 2][near][np.argsort(z[near].mean(axis=1))])
+    if (np.diff(facing) != 0).sum() < LEAST_TURNS or abs(weight @ np.exp(1j * turn)) > 0.1 * weight.sum():
+        return []
+    count = len(np.unique(np.round(np.degrees(turn) / DIRECTION_DEG)))
+    return [Body(least, True, count, 0, float(z.min()), float(z.max()), 0.0)]
 
 
 def frame_of(axis: Floats) -> Floats:

@@ -17,8 +17,8 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import is_by_hand, kind_said, says_nothing
-from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_wide, looks_of, rod_of
+from feeler.plan.fastener_names import is_by_hand, kind_said, may_be_pin, says_nothing
+from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_plain, is_round_nut, looks_of, needs_thread, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
 from feeler.progress import Progress
@@ -60,6 +60,7 @@ _IN_BORE = 24  # rays into a bore
 _WALL = 0.98  # where they begin at most, in halves of the width across flats
 _FILLED = 0.8  # the share of them that meets the thread
 _FACETS = 0.93  # how near to the axis the facets of a thread come, relative to the bore
+_SET_IN = 0.2  # radii outwards, from 0.9 of them, where what an insert is in is sought
 _NEAR_END = 0.12  # heights from the ends of a long nut, where its rods are sought
 _BEYOND = 1e-3  # heights of a nut that a stud goes beyond its middle
 _AROUND = 12  # rays from each end, around the axis
@@ -272,25 +273,49 @@ def _sure(scene: Scene, found: list[tuple[Fastener, Looks]]) -> Iterator[tuple[F
             ends = [_thread_in(scene, row, share) for share in (_NEAR_END, 1.0 - _NEAR_END)]
             if None not in ends and ends[0] != ends[1] and not set(ends) & set(bolts):
                 yield replace(row, confidence=WEAK, because=f"{row.because}; two rods as wide are in it"), looks
-        elif _thread_in(scene, row, 0.5) is not None:
+        elif _thread_in(scene, row, 0.5) is not None and not (is_round_nut(looks) and _is_set_in(scene, row, looks)):
             yield replace(row, confidence=WEAK, because=f"{row.because}; a thread as wide is in it"), looks
 
 
 def _thread_in(scene: Scene, nut: Fastener, share: float) -> int | None:
     """The part that is round and fills the bore of a nut at a share of its height; None if none does. Rays begin in its
     wall."""
-    turn = np.arange(_IN_BORE) * (2.0 * np.pi / _IN_BORE)
-    ways = np.stack([np.cos(turn), np.sin(turn), np.zeros(_IN_BORE)], axis=1) @ nut.frame[:3, :3].T
-    begin = min(_WALL * 0.5 * nut.across_flats, ROD_TO_BORE[1] * 0.5 * nut.size)
-    middle = nut.frame[:3, 3] - share * nut.length * nut.axis
-    mask = scene.part_mask.copy()
-    mask[nut.part] = False
-    hits = scene.only(mask).rays(middle + begin * ways, -ways, within=begin)
+    begin = ROD_TO_BORE[1] * 0.5 * nut.size
+    if nut.across_flats == nut.across_flats:
+        begin = min(_WALL * 0.5 * nut.across_flats, begin)
+    ways = _ways_across(nut)
+    hits = _others(scene, nut).rays(_middle(nut, share) + begin * ways, -ways, within=begin)
     parts, radii = np.asarray(hits.parts), begin - np.asarray(hits.distances)
     best = int(np.bincount(np.maximum(parts, 0)).argmax())
     is_own = (np.asarray(hits.triangles) >= 0) & (parts == best)
     is_round = (is_own & (radii >= _FACETS * 0.5 * nut.size)).mean() >= _FILLED
     return best if is_round and THREAD_PLAY * radii[is_own].max() >= 0.5 * nut.size else None
+
+
+def _is_set_in(scene: Scene, nut: Fastener, looks: Looks) -> bool:
+    """Whether a round body is around most of its outside in another part, as threaded inserts are."""
+    wide = 2.0 * looks.ring - 0.5 * nut.size
+    ways = _ways_across(nut)
+    hits = _others(scene, nut).rays(_middle(nut, 0.5) + 0.9 * wide * ways, ways, within=_SET_IN * wide)
+    return bool((np.asarray(hits.triangles) >= 0).mean() >= 0.5)
+
+
+def _ways_across(nut: Fastener) -> Floats:
+    """Directions around the axis of a nut."""
+    turn = np.arange(_IN_BORE) * (2.0 * np.pi / _IN_BORE)
+    return np.asarray(np.stack([np.cos(turn), np.sin(turn), np.zeros(_IN_BORE)], axis=1) @ nut.frame[:3, :3].T)
+
+
+def _middle(nut: Fastener, share: float) -> Floats:
+    """A point on the axis of a nut at a share of its height."""
+    return nut.frame[:3, 3] - share * nut.length * nut.axis
+
+
+def _others(scene: Scene, nut: Fastener) -> Scene:
+    """A scene without a nut."""
+    mask = scene.part_mask.copy()
+    mask[nut.part] = False
+    return scene.only(mask)
 
 
 def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -> list[Fastener]:
@@ -352,13 +377,14 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
     names = [said[part] for part in shape.parts]
     rod = rod_of(shape.vertices, faces) if looks is None and any(kind in KINDS for kind in names) else None
     bore = bore_of(shape.vertices, faces, rod) if rod is not None and "nut" in names else None
+    is_pin = rod is not None and is_plain(shape.vertices, faces, rod)
     found = []
     for part, place, name in zip(shape.parts.tolist(), shape.places, names, strict=True):
-        seen = looks or (rod if name in KINDS else None)
+        seen = looks or (rod if name in KINDS and not (is_pin and may_be_pin(world.part_names[part])) else None)
         if seen is None:
             continue
         confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
-        if confidence < LEAST_CONFIDENCE and (name == "other" or not (is_wide(seen) or is_long(seen))):
+        if confidence < LEAST_CONFIDENCE and (name == "other" or not needs_thread(seen)):
             continue
         kind = _kind(seen, name)
         wide = bore if bore is not None and kind == "nut" else None

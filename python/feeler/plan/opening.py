@@ -224,11 +224,14 @@ class _Passage:
         best, turn = known, 0.0
         by: int | None = None
         turns = [step * k for k in range(TURNS)]
-        while best < math.inf and math.radians(step) * best * math.hypot(1.0, aspect) > FINE * self._error:
+        slender = max(aspect, 1.0 / aspect)  # a little turn in a slit costs so many times more width
+        while best < math.inf:
             for angle in turns:
                 size, part = largest(angle, best)
                 if size > best or by is None:
                     best, turn, by = size, angle % whole, part
+            if math.radians(step) * best * slender <= FINE * self._error:
+                break
             step *= 0.5
             turns = [turn - step, turn + step]
         return best, turn, by

@@ -163,6 +163,10 @@ class Actions:
         """As `Problem`."""
         return self._carried.extensions(item, off, on)
 
+    def is_smaller(self, one: int, other: int) -> bool:
+        """Whether a part is smaller than another one, by its surface and by its reach."""
+        return self._carried.is_smaller(one, other)
+
     def node(self, item: int, riding: frozenset[int]) -> int:
         """The node of the graph that is a part with what rides on it."""
         return self.question.with_riders(item, riding)

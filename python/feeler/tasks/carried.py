@@ -94,7 +94,7 @@ class Carried:
                         is_carrier = item in self.riding(other)
                         if is_carrier or any(self._rides(item, other, more) for more in self._extended(other)):
                             found.add(other)
-                        if is_carrier or other in self.fixings or self._is_smaller(other, item):
+                        if is_carrier or other in self.fixings or self.is_smaller(other, item):
                             waiting.append(other)
             self._carriers[item] = frozenset(found)
         return self._carriers[item]
@@ -187,7 +187,7 @@ class Carried:
         return frozenset(good), inner
 
     def _may_ride(self, each: int, item: int) -> bool:
-        is_small = each in self.fixings or self._is_smaller(each, item)
+        is_small = each in self.fixings or self.is_smaller(each, item)
         return each != TARGET and is_small and not self._is_kept(each)
 
     def _is_kept(self, item: int) -> bool:
@@ -197,18 +197,19 @@ class Carried:
         """Whether a part is fastened to a larger one, or to one that stays."""
         others = {each for edge in touching for each in edge.members} - own
         parts = [each for each in others if each not in self.fixings]
-        return any(self._is_kept(each) or not self._is_smaller(each, item) for each in parts)
+        return any(self._is_kept(each) or not self.is_smaller(each, item) for each in parts)
 
     def _is_light(self, item: int) -> bool:
         """Whether a part may carry something though it is fastened to no larger one."""
-        return item == TARGET or self._is_smaller(item, TARGET)
+        return item == TARGET or self.is_smaller(item, TARGET)
 
     def _is_little(self, riders: Iterable[int], item: int) -> bool:
         """Whether all riders together have little surface beside a part."""
         all_ = sum(self._size(each)[0] for each in riders if each not in self.fixings)
         return all_ < SMALLER * LITTLE * self._size(item)[0]
 
-    def _is_smaller(self, one: int, other: int) -> bool:
+    def is_smaller(self, one: int, other: int) -> bool:
+        """Whether a part is smaller than another one, by its surface and by its reach."""
         mine, its = self._size(one), self._size(other)
         return mine[0] < SMALLER * its[0] and mine[1] < SMALLER * its[1]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole, shown
+from feeler.arguments import check_kind, check_list, check_number, check_progress, check_threads, check_whole
 from feeler.choices import TaskVerb
 from feeler.errors import OptionError
 from feeler.io.plausible import length_text
@@ -29,6 +29,7 @@ from feeler.tasks.ahead import Ahead
 from feeler.tasks.answer import Task, TaskInterrupted
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
+from feeler.tasks.forced import forced_order
 from feeler.tasks.holding import Holds, holds
 from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
@@ -158,18 +159,21 @@ def planned(
         return with_wanted_studs(scene, rows, joined, wanted)
 
     def plan(
-        riding: frozenset[int], loose: frozenset[int], gives_up: Callable[[frozenset[int]], bool]
+        stays: frozenset[int],
+        riding: frozenset[int],
+        loose: frozenset[int],
+        gives_up: Callable[[frozenset[int]], bool],
     ) -> tuple[Task, _Planner]:
-        """The answer with some circlips that leave with their part, and some plugs that do not."""
+        """The answer with some circlips that leave with their part, and some plugs that do not. stays: what is kept."""
 
         def look() -> Known:
             rows, joined = looked()
             fixings = Fixings(scene, rows, joined, table, loose, riding)
             clock.stage(READY, "looking at what leaves together")
-            return Known(fixings, _question(scene, wanted, kept, fixings, seed, workers))
+            return Known(fixings, _question(scene, wanted, stays, fixings, seed, workers))
 
-        known = memory.found((wanted, kept, seed, loose, riding), scene, look)
-        forced = _forced(scene, pairs, known.question)
+        known = memory.found((wanted, stays, seed, loose, riding), scene, look)
+        forced = forced_order(scene, pairs, known.question)
         with Ahead(scene, reaching, clock, executor, known.ways) as ahead:
             actions = Actions(known.question, clock, known.fixings, reaching, table, ahead)
             if known.actions is not None:
@@ -179,21 +183,34 @@ def planned(
             planner = _Planner(actions, leading, clock, crew, paths, forced, gives_up)
             return planner.task(), planner
 
-    def best(riding: frozenset[int]) -> tuple[Task, _Planner]:
+    def best(riding: frozenset[int], stays: frozenset[int] = kept) -> tuple[Task, _Planner]:
         """The answer. A set screw may be in the way of its own part: it is undone if no straight way takes both out,
         before bent ones are searched."""
-        answer, planner = plan(riding, frozenset(), bool)
+        answer, planner = plan(stays, riding, frozenset(), bool)
         loose = frozenset[int]()
         while planner.plugs and not answer.is_found and clock.goes_on():
             loose |= planner.plugs
-            answer, planner = plan(riding, loose, lambda _: True)
+            answer, planner = plan(stays, riding, loose, lambda _: True)
         for some in [frozenset[int](), loose] if loose else []:
             if not answer.is_found and clock.goes_on():
-                answer, planner = plan(riding, some, lambda _: False)
+                answer, planner = plan(stays, riding, some, lambda _: False)
         return answer, planner
 
     paths = tuple(scene.mockup.part_paths[part] for part in wanted)
     answer, planner = best(frozenset())
+    around = planner.carriers(answer)
+    if around and clock.goes_on():
+        # It would leave in a larger part, as a key in its shaft, and not be out of that.
+        try:
+            alone, other = best(frozenset(), kept | around)
+        except TaskInterrupted:
+            raise TaskInterrupted(answer) from None
+        if alone.is_found:
+            answer, planner = replace(alone, bound=min(answer.bound, alone.bound)), other
+        else:
+            named = ", ".join(repr(scene.mockup.part_paths[part]) for part in sorted(around)[:MOST_NAMED])
+            said = f"{', '.join(map(repr, paths[:MOST_NAMED]))} leaves together with {named}: take it out of that."
+            answer = replace(answer, notes=(said, *answer.notes))
     if pairs:
         return answer  # it may be about circlips
     for riding in riding_rings(scene, planner.actions.fixings.held, answer, wanted, kept, planner.stuck):
@@ -203,29 +220,6 @@ def planned(
             except TaskInterrupted as stopped:
                 raise (TaskInterrupted(answer) if answer.is_found else stopped) from None
     return answer
-
-
-def _forced(scene: Scene, before: Sequence[object], question: Together) -> dict[int, frozenset[int]]:
-    """Of items those that have to go before them."""
-    found: dict[int, frozenset[int]] = {}
-    for pair in before:
-        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-            raise OptionError(f"before has {shown(pair)}: give pairs of parts: what goes first, and what after it")
-        first, second = (scene.mockup.parts.select(each).tolist() for each in pair)
-        if set(first) & set(second):
-            path = scene.mockup.part_paths[min(set(first) & set(second))]
-            raise OptionError(f"before has {path!r} before itself: name two parts")
-        ahead = frozenset(question.node_of(part) for part in first)
-        for item in {question.node_of(part) for part in second}:
-            found[item] = found.get(item, frozenset()) | ahead
-    left = dict(found)
-    while free := [item for item, ahead in left.items() if not ahead & left.keys()]:
-        for item in free:
-            del left[item]
-    if left:
-        paths = sorted({scene.mockup.part_paths[part] for item in left for part in question.parts_of([item])[:1]})
-        raise OptionError(f"before goes in a circle: {', '.join(map(repr, paths))} wait for each other")
-    return found
 
 
 def _wanted(scene: Scene, parts: PartsLike) -> tuple[int, ...]:
@@ -340,6 +334,13 @@ class _Planner:
         """The last search."""
         assert self._search is not None
         return self._search
+
+    def carriers(self, answer: Task) -> frozenset[int]:
+        """The parts larger than the wanted ones that leave together with these in an answer."""
+        if not answer.is_found or not self.question.wanted:
+            return frozenset()
+        others = set(answer.steps[-1].parts) - set(self.question.parts_of([TARGET]))
+        return frozenset(part for part in others if self.actions.is_smaller(TARGET, part))
 
     def task(self) -> Task:
         """The best plan whose ways hold. Raises `TaskInterrupted` at Ctrl-C."""

@@ -28,6 +28,8 @@ CLASP_M = 5e-4
 """What clamps and clips hold may have this gap: rubber is often not drawn."""
 HALVES_M = 3e-3
 """The widest gap between the halves of a clamp."""
+ASIDE, UNDERCUT = 0.3, 0.1
+"""What lies in an open half: the normals there have this mean at least, and none points against it by more."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
 _AROUND = 24  # rays around a circlip, on each side
@@ -103,12 +105,9 @@ def gripped(scene: Scene, clamp: int, held: Iterable[int], meshes: PartMeshes) -
     fasteners; held: what the clamp clasps; meshes: of all parts.
     """
     corners = meshes.corners(clamp)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sizes = np.linalg.norm(normals, axis=1)
-    corners, normals = corners[sizes > 0.0], normals[sizes > 0.0] / sizes[sizes > 0.0, None]
-    # It may be wound inside out.
-    ways = np.concatenate([normals, -normals])
-    origins = np.tile(corners.mean(axis=1), (2, 1)) - CLASP_M * ways
+    middles, normals, _ = _off(corners)
+    ways = np.concatenate([normals, -normals])  # it may be wound inside out
+    origins = np.tile(middles, (2, 1)) - CLASP_M * ways
     near = _without(scene, [clamp])
     lengths = np.full(len(ways), float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0))) if len(ways) else 0.0)
     far, parts, _ = through(near, origins, ways, lengths)
@@ -123,17 +122,40 @@ def gripped(scene: Scene, clamp: int, held: Iterable[int], meshes: PartMeshes) -
     return sorted(found - set(held) - {clamp})
 
 
+def _lies_in(scene: Scene, clamp: int, part: int, meshes: PartMeshes) -> bool:
+    """Whether a part only lies in a clamp, as a pipe in the lower half of one: the clamp comes off sideways."""
+    corners = meshes.corners(clamp)
+    volume = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    middles, normals, areas = _off(corners)
+    ways = normals if volume >= 0.0 else -normals
+    hits = scene.only([part]).rays(middles - CLASP_M * ways, ways, within=2.0 * CLASP_M)
+    is_met = np.asarray(hits.triangles) >= 0
+    towards, weight = ways[is_met], areas[is_met]
+    mean = weight @ towards / max(float(weight.sum()), 1e-300)
+    size = float(np.linalg.norm(mean))
+    return size > ASIDE and float((towards @ mean).min()) > -UNDERCUT * size
+
+
+def _off(corners: Floats) -> tuple[Floats, Floats, Floats]:
+    """The middles of triangles, their normals, and twice their areas."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(normals, axis=1)
+    is_some = sizes > 0.0
+    return corners[is_some].mean(axis=1), normals[is_some] / sizes[is_some, None], sizes[is_some]
+
+
 def clips(scene: Scene, held: set[int], but: set[int]) -> list[Retained]:
-    """What clamps and clips hold that no fastener holds: they spring, or have their screw in them.
+    """What clamps and clips hold that no fastener holds: they spring, or have their screw in them. What only lies in
+    half a clamp is not held by it.
 
     held: all that fasteners hold; but: the fasteners.
     """
     mockup, rows = scene.mockup, []
-    bare = _without(scene, but)
+    bare, meshes = _without(scene, but), PartMeshes(mockup)
     for part in np.flatnonzero(scene.part_mask).tolist():
         if part in held or part in but or retainer_said(mockup.part_names[part]) != "clasp":
             continue
-        parts = tuple(clasped(bare, [part], set()))
+        parts = tuple(each for each in clasped(bare, [part], set()) if not _lies_in(bare, part, each, meshes))
         if parts:
             rows.append(
                 Retained(part, "clip", parts, None, "it clamps them; no fastener holds it, its name says clamp")
