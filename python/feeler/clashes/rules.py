@@ -190,23 +190,25 @@ class Rules:
         except OptionError as error:
             raise LoadError(str(error)) from None
 
-    def renamed(self, pattern: Callable[[str], str]) -> Rules:
-        """The same rules with other patterns."""
-        words = [(each, tuple(map(pattern, each.a)), tuple(map(pattern, each.b))) for each in self.rules]
-        others = [(each, tuple(map(pattern, each.a)), tuple(map(pattern, each.b))) for each in self.exclusions]
-        return replace(
-            self,
-            rules=tuple(replace(each, a=a, b=b) for each, a, b in words),
-            exclusions=tuple(replace(each, a=a, b=b) for each, a, b in others),
-        )
 
-    def tolerant(self) -> Rules:
-        """The same rules, whose patterns may match nothing."""
-        return replace(
-            self,
-            rules=tuple(replace(each, optional=True) for each in self.rules),
-            exclusions=tuple(replace(each, optional=True) for each in self.exclusions),
-        )
+def renamed(rules: Rules, pattern: Callable[[str], str]) -> Rules:
+    """The same rules with other patterns."""
+    words = [(each, tuple(map(pattern, each.a)), tuple(map(pattern, each.b))) for each in rules.rules]
+    others = [(each, tuple(map(pattern, each.a)), tuple(map(pattern, each.b))) for each in rules.exclusions]
+    return replace(
+        rules,
+        rules=tuple(replace(each, a=a, b=b) for each, a, b in words),
+        exclusions=tuple(replace(each, a=a, b=b) for each, a, b in others),
+    )
+
+
+def tolerant(rules: Rules) -> Rules:
+    """The same rules, whose patterns may match nothing."""
+    return replace(
+        rules,
+        rules=tuple(replace(each, optional=True) for each in rules.rules),
+        exclusions=tuple(replace(each, optional=True) for each in rules.exclusions),
+    )
 
 
 RulesLike = Rules | Mapping[str, object] | str | os.PathLike[str]

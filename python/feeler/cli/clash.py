@@ -146,6 +146,7 @@ def clash(
     """
     from feeler import clashes as room
     from feeler.clashes.changes import check_previous
+    from feeler.clashes.rules import renamed
     from feeler.cli import outputs
     from feeler.io.xlsx import xlsx_library
     from feeler.project.renaming import Names
@@ -190,7 +191,7 @@ def clash(
             before = book.clashes()
             if kept is not None and given is None:
                 names = Names.of(book.revision(world)) if book.parts() else Names()
-                given = kept.parsed(f"the rules of {named}").renamed(lambda one: names.pattern(one, world.parts))
+                given = renamed(kept.parsed(f"the rules of {named}"), lambda one: names.pattern(one, world.parts))
         if before is not None:
             check_previous(world, before)
         scene = indexed(world, without, only, threads)

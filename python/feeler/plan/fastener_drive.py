@@ -218,7 +218,7 @@ class Outline:
         # With all lobes laid on top of each other, they must agree, and be far at one angle.
         phase = np.angle(np.sum((r - r.mean()) * np.exp(1j * sixth)))
         model = np.cos(sixth - phase)
-        if np.corrcoef(model, r)[0, 1] < alike:
+        if np.ptp(r) == 0.0 or np.corrcoef(model, r)[0, 1] < alike:
             return False
         steps = np.round((turn - phase / 6.0) * 3.0 / np.pi).astype(np.int64) % 6
         return len(np.unique(steps)) == 6 and len(self.length) >= 18

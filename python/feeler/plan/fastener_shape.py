@@ -23,6 +23,7 @@ from feeler.plan.fastener_view import (
     FLAT_SOCKETS,
     HEAD_HEIGHTS,
     HEAD_TO_SHANK,
+    HEADLESS_FLATS,
     HEADLESS_RECESS,
     MOST_HEAD,
     MOST_HEAD_WIDTH,
@@ -389,6 +390,8 @@ def _recessed_screw(view: View) -> Found | None:
             return None
         if len(outer) > 1 and min(b.radius for b in outer) < 0.7 * radius:
             return None
+        if any(b.sides and b.height > HEADLESS_FLATS * full for b in outer):
+            return None  # a bar: it cannot turn in its hole
     else:
         is_high = view.high - bearing_of(view, radius, head) > MOST_HEAD * 2.0 * radius
         if is_high or full < 1.3 * radius or not HEAD_TO_SHANK[0] <= head / radius <= MOST_HEAD_WIDTH:

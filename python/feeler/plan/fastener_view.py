@@ -41,6 +41,8 @@ HEAD_HEIGHTS = (0.12, 1.5)
 """Height of a head, relative to its width across flats: 0.4 in the standards; standoffs are longer."""
 HEADLESS_RECESS = 0.72
 """The greatest corner radius of a set screw's recess, relative to its radius: walls of tools and bushes are thinner."""
+HEADLESS_FLATS = 0.3
+"""The height of flats around a rod from which on it is a bar and no set screw, relative to its length."""
 MOST_HEAD = 1.35
 """The greatest height of a round head with a recess, relative to its shank's diameter."""
 MOST_HEAD_WIDTH = 3.0

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from feeler.clashes.rules import Rules
+from feeler.clashes.rules import Rules, tolerant
 from feeler.errors import FeelerError, LoadError
 from feeler.project.book import Book, dumps
 from feeler.project.store import Change, put
@@ -28,7 +28,7 @@ class ClashSettings:
 
     def parsed(self, where: str) -> Rules:
         """The rules; their patterns may match nothing. Raises `LoadError`."""
-        return Rules.parse(self.rules, where).tolerant()
+        return tolerant(Rules.parse(self.rules, where))
 
 
 def settings_of(book: Book) -> ClashSettings | None:

@@ -15,7 +15,7 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import is_pipe
+from feeler.plan.fastener_names import is_pipe, kind_said
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.progress import Progress
 from feeler.renamed import OldAttributes
@@ -188,7 +188,11 @@ def holds(
     by_name = cotters_of(scene, present, taken)
     taken |= {each.part for each in by_name}
     by_name += retained(scene, [*(row.part for row in present), *taken])
-    kept = {row.fastener: row for row in _Holding(scene, present, by_name).rows()}
+    holding = _Holding(scene, present, by_name)
+    if spacers := holding.spacers():
+        present = [row for row in present if row.part not in spacers]
+        holding = _Holding(scene, present, by_name)
+    kept = {row.fastener: row for row in holding.rows()}
     for each in by_name:
         kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     held = {part for row in kept.values() for part in row.parts}
@@ -349,6 +353,25 @@ class _Holding:
                 best = int(np.argmax(np.where(is_on, np.round(shared, 6), -np.inf)))
                 self.nuts[shanks[best].part].append(nut)
                 self.shank[nut.part] = shanks[best]
+
+    def spacers(self) -> set[int]:
+        """Parts that look like nuts, with a clearance hole for a shank whose thread is farther on."""
+        return {part for row in self.fasteners if row.part in self.nuts for part in self._spacers_on(row)}
+
+    def _spacers_on(self, row: Fastener) -> Iterator[int]:
+        nuts = [nut.part for nut in self.nuts[row.part]]
+        if not nuts:
+            return
+        on_it = next(iter(passed_by(self.scene.only(nuts), [row])))
+        loose = [each for each in on_it if each.radius > 0.0 and not _is_tight(row, each)]
+        tight = [each for each in [*on_it, *self.passed[row.part]] if each.radius > 0.0 and _is_tight(row, each)]
+        for each in loose:
+            middle = 0.5 * (each.top + each.bottom)
+            is_thread_below = any(thread.top <= middle for thread in tight)
+            is_thread_above = any(thread.bottom >= middle for thread in tight)
+            is_between = is_thread_below and (not _is_stud(row) or is_thread_above)
+            if is_between and kind_said(self.mockup.part_names[each.part]) != "nut":
+                yield each.part
 
     def rows(self) -> list[Hold]:
         """What each of them holds."""

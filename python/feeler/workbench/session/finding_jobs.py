@@ -23,6 +23,7 @@ from feeler.clashes.advice import advice
 from feeler.clashes.as_bcf import left_out
 from feeler.clashes.bcf_in import topics_in
 from feeler.clashes.limits import unmatched
+from feeler.clashes.rules import tolerant
 from feeler.clashes.tracking import NEW, Mark
 from feeler.errors import OptionError, WorkbenchError
 from feeler.mockup import Mockup
@@ -112,7 +113,7 @@ def clash(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
         mockup,
         settings.clearance,
         "chord" if settings.contact is None else settings.contact,
-        rules.tolerant(),
+        tolerant(rules),
         scene=scene,
         threads=threads(),
         progress=lambda share, stage: progress(_CHECKED * share, stage),
