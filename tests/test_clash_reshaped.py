@@ -242,7 +242,7 @@ def test_the_motion_of_unique_parts_is_that_of_the_whole() -> None:
     assert matched(before, now)[0].tolist() == [0, *[-1] * 6]
     whole = shapes_of(named([("new/slab", shifted(slab, (1, 0, 0))), *moved]))
     assert matched(before, whole)[0].tolist() == [*range(7)]
-    unknown = replace(now, area=np.full(len(now), np.nan))
+    unknown = replace(now, area=np.full(len(now.keys), np.nan))
     assert (matched(before, unknown)[0] == -1).all()
 
 
