@@ -137,6 +137,11 @@ def test_the_middle_is_found() -> None:
     assert off.ball < 0.04
     row = feeler.opening(scene, [0.011, -0.006, 0.0], Z, centre=True)
     assert about(row.ball, 0.06) and np.linalg.norm(row.at) < 2e-4
+    # From its rim, too, where the ball is smaller than the error.
+    slit = posed(frame_of(0.02, 0.06), np.eye(3), np.zeros(3))
+    for off in (1e-6, 1e-5, 5e-5, 1e-3):
+        row = feeler.opening(slit, [off - 0.01, 0.0, 0.0], Z, centre=True)
+        assert about(row.ball, 0.02), off
 
 
 def test_nothing_in_the_way_and_in_the_middle_of_a_part() -> None:

@@ -301,14 +301,15 @@ def _centred(scene: Scene, place: Floats, along: Floats, reach: float, error: fl
     y = np.cross(along, x)
     start = place
     best = _ball(scene, place, along, reach, most)[0]
-    step = 0.5 * (best if 0.0 < best < math.inf else 0.1 * most)
+    # Within the ball nothing is in the way; at a rim, where it is smaller than the error, less is no step.
+    step = max(0.5 * best, error) if 0.0 < best < math.inf else 0.05 * most
     while step > 0.1 * error and best < math.inf:
         turns = 2.0 * np.pi * np.arange(CENTRING) / CENTRING
         tried = [place + step * (math.cos(turn) * x + math.sin(turn) * y) for turn in turns]
         sizes = [_ball(scene, each, along, reach, most)[0] for each in tried]
         if max(sizes) > best and np.linalg.norm(place - start) <= most:
             best = max(sizes)
-            place = tried[sizes.index(best)]
+            place, step = tried[sizes.index(best)], max(step, min(0.5 * best, most))
         else:
             step *= 0.5
     return place
