@@ -22,7 +22,15 @@ COLLAR_SOCKETS = [(8, 12, 4), (10, 14, 5), (12, 17, 6), (16, 21, 8), (22, 27, 10
 """DIN 908: thread, collar, hexagon socket, mm."""
 COLLAR_HEXAGONS = [(8, 12, 10), (10, 14, 10), (14, 19, 13), (16, 21, 17), (22, 27, 19), (30, 36, 24), (48, 55, 30)]
 """DIN 910: thread, collar, hexagon, mm."""
-SHOULDERS = [(5, 6, 10, 3), (5, 6.5, 10, 3), (8, 10, 16, 5), (8, 12, 18, 6), (10, 13, 18, 6), (16, 20, 30, 10)]
+SHOULDERS = [
+    (5, 6, 10, 3),
+    (5, 6.5, 10, 3),
+    (8, 10, 16, 5),
+    (8, 12, 18, 6),
+    (10, 13, 18, 6),
+    (16, 20, 30, 10),
+    (8, 10.4, 14.6, 6),
+]
 """ISO 7379 and wider ones: thread, shoulder, head, hexagon socket, mm."""
 DOGS = [(3, 2.0, 1.5), (4, 2.5, 2), (6, 4, 3), (8, 5.5, 4), (12, 8.5, 6)]
 """DIN 915: thread, point, hexagon socket, mm."""
@@ -154,7 +162,7 @@ def test_a_vented_screw(drive: str, bore: float) -> None:
 
 
 @pytest.mark.parametrize(("thread", "wide", "head", "flats"), SHOULDERS)
-@pytest.mark.parametrize("long", [0.5, 1.0, 4.0])
+@pytest.mark.parametrize("long", [0.5, 1.0, 2.0, 4.0, 7.0])
 def test_a_shoulder_screw(thread: float, wide: float, head: float, flats: float, long: float) -> None:
     solid = shoulder(thread, wide, head, flats, long * wide)
     row = check(solid, "screw", "hexagon socket", flats, thread)

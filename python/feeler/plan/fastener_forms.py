@@ -73,6 +73,9 @@ THIN_END = 0.72
 """The same for a thin end: threads modelled with the core diameter have 0.79 of a fitted shank."""
 HIGH_HEAD = 1.3
 """Height of a head in diameters of its shank, above which several sections make a shaft: up to 1.2 for bolts."""
+THREAD_SHARES = (0.4, 0.2, 0.1)
+"""How much of what is below a head may be the thread, as shares that are tried: shoulders are up to ten times as
+long."""
 SHOULDER = (1.05, 0.93)
 """The least radius of a shoulder, relative to its thread, and the greatest, relative to its head."""
 WIDEST_SHOULDER_HEAD = 3.5
@@ -224,10 +227,17 @@ def recessed(view: View) -> Found | None:
     ):
         return None
     full, under = view.high - view.low, float(view.z[view.r > 0.97 * head].min())
-    below = under - view.low
-    if below < 0.1 * full:
+    if under - view.low < 0.1 * full:
         return _headless(view, recess, head, head, bore)
-    radius = thread_of(view, widest(view, view.low, view.low + 0.4 * below), recess)
+    # A thread may be short, below a long shoulder; and a narrow tip, short below a thread.
+    found = (_on_thread(view, recess, head, bore, under, share) for share in THREAD_SHARES)
+    return next(filter(None, found), None)
+
+
+def _on_thread(view: View, recess: Recess, head: float, bore: float, under: float, share: float) -> Found | None:
+    """The same with the thread somewhere in this share of what is below the head, from the tip on."""
+    outer, full, below = view.outer(), view.high - view.low, under - view.low
+    radius = thread_of(view, widest(view, view.low, view.low + share * below), recess)
     if bore > WIDEST_BORE * radius:
         return None
     is_thread = view.high - under >= DOG_THREAD * 2.0 * head

@@ -102,6 +102,9 @@ STEEP_SHARE = 0.15
 END_SLOPE, FLANKS = 0.98, 0.3
 """The least cosine of the angle between the axis and the normals of ends, and the least share of flanks in the outside
 of a rod with a thread: chamfers of a pin have less."""
+THREAD_BELOW, THREAD_BELOW_LENGTH = (0.5, 0.96), 1.3
+"""Radius of the thread of a shoulder screw, relative to its shoulder, and its length, in diameters: points of screws
+are thinner or shorter."""
 HEAD_HEIGHT = (0.45, 1.2)
 """Height of a round head, relative to its shank's diameter: 1 for socket heads; heads of rivets are flatter."""
 
@@ -378,6 +381,14 @@ def _recessed_screw(view: View) -> Found | None:
     radius = float(view.r[view.z < view.low + 0.4 * full].max())
     if radius < 0.3 * head:  # a pointed tip
         radius = max((b.radius for b in outer if b.radius < 0.75 * head), default=radius)
+    if any(
+        b.low < view.low + 0.05 * full
+        and THREAD_BELOW[0] <= b.radius / radius <= THREAD_BELOW[1]
+        # A dog point is shorter.
+        and b.height > THREAD_BELOW_LENGTH * 2.0 * b.radius
+        for b in outer
+    ):
+        return None  # a shoulder, on a thread of its own
     # A slot may run out of the head on both sides; other recesses are inside it.
     if not recess.reach < 0.85 * head and recess.drive != "slot":
         return None

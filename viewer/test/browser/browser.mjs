@@ -17,6 +17,8 @@ const FLAGS = [
   "--disable-gpu-compositing",
 ];
 const ORIGIN = "http://localhost:8";
+/** A page of a busy machine may take long. */
+export const PATIENCE_MS = 120_000;
 
 /** Why the browser tests cannot run here; false where they can. */
 export const whySkipped = await access(CHROMIUM).then(
@@ -35,6 +37,7 @@ export async function openPage(t, source, flags = []) {
   const browser = await chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...flags] });
   t.after(() => browser.close());
   const page = await browser.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
   const errors = [];
   page.on("pageerror", (error) => errors.push(error.message));
   page.on("console", (message) => {

@@ -5,7 +5,7 @@ import { dirname } from "node:path";
 import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
 import { chromium } from "playwright-core";
-import { CHROMIUM } from "./browser.mjs";
+import { CHROMIUM, PATIENCE_MS } from "./browser.mjs";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
 const HTML = `<!doctype html><html><head><style>
@@ -60,8 +60,14 @@ export async function open(url, { width = 640, height = 360 } = {}) {
   page.on("console", (message) => {
     if (message.type() === "error" || /WebGL|GL_INVALID/.test(message.text())) errors.push(new Error(message.text()));
   });
-  await page.goto(url);
-  await page.waitForFunction(() => window.harness !== undefined);
+  page.setDefaultTimeout(PATIENCE_MS);
+  try {
+    await page.goto(url);
+    await page.waitForFunction(() => window.harness !== undefined);
+  } catch (error) {
+    await browser.close(); // else the test waits for it for ever
+    throw error;
+  }
   return {
     page,
     errors,
