@@ -67,8 +67,12 @@ fn is_side_by_side(own: &Body, wall: &Body, contact: f64, found: &PointDepth) ->
             [own, wall].map(|body| nearest_face([&sub(&p, body.origin()), &sub(&end, body.origin())], body))
         };
         let ways = [far(1.0), far(-1.0)];
-        let are_walls = [0, 1].iter().all(|body: &usize| ways[0][*body] + ways[1][*body] <= thickest);
-        let shared = ways.iter().map(|[of_own, of_wall]| of_own.min(*of_wall)).sum::<f64>();
+        // Across an edge the way is short, too, but its ends do not look opposite ways.
+        let are_walls = [0, 1].iter().all(|body: &usize| {
+            let [(one, p), (other, q)] = ways.map(|way| way[*body]);
+            one + other <= thickest && dot(&p, &q) <= OPPOSITE_FACES
+        });
+        let shared = ways.iter().map(|[of_own, of_wall]| of_own.0.min(of_wall.0)).sum::<f64>();
         let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
         are_walls && shared > contact * SIDE_EXCESS && is_inside(own) && is_inside(wall)
     };
@@ -97,12 +101,15 @@ fn inward_along(body: &Body, at: &Point, normal: &Point) -> Option<Point> {
     unit(if length(&level) > 0.1 * length(&sum) { &level } else { &sum })
 }
 
-/// How far along a segment the first face of a body is that it goes through; infinite if there is none.
-fn nearest_face([p, q]: [&Point; 2], body: &Body) -> f64 {
-    let mut nearest = f64::INFINITY;
+/// How far along a segment the first face of a body is that it goes through, and its outward normal; infinite if there is none.
+fn nearest_face([p, q]: [&Point; 2], body: &Body) -> (f64, Point) {
+    let mut nearest = (f64::INFINITY, [0.0; 3]);
     body.tree().find_on_segment([p, q], body.rounding(), |i| {
         if let Some(hit) = piercing([p, q], body.triangle(i), -body.rounding()) {
-            nearest = nearest.min(length(&sub(&hit, p)));
+            let far = length(&sub(&hit, p));
+            if far < nearest.0 {
+                nearest = (far, body.outward(i).unwrap_or_default());
+            }
         }
         None::<()>
     });
@@ -306,6 +313,26 @@ mod tests {
         assert!(!are_crossing(|cells| block([-1.0; 3], [1.0; 3], cells), plate));
         let roof = |cells| ridge(&[[-1.0, 0.0], [0.0, 1.732], [1.0, 0.0]], -1.0, 1.0, cells, cells);
         assert!(!are_crossing(roof, |cells| block([-2.0, -2.0, 1.0], [2.0, 2.0, 1.05], cells)));
+    }
+
+    #[test]
+    fn a_block_is_no_wall_across_its_edge() {
+        // A bar along the edge, turned by 30 degrees; it is a wall of 0.1, and the block is none.
+        let (sine, cosine) = 30f64.to_radians().sin_cos();
+        let bar = |x: f64, y: f64| {
+            let (vertices, faces) = block([0.0, 0.0, -2.0], [0.1, 0.1, 2.0], 1);
+            let placed =
+                vertices.iter().map(|p| [x + cosine * p[0] - sine * p[1], y + sine * p[0] + cosine * p[1], p[2]]);
+            (placed.collect(), faces)
+        };
+        let whole = body(block([-4.0; 3], [0.0, 0.0, 4.0], 1));
+        let over = body(bar(-0.04, -0.09));
+        let depth = [[&whole, &over], [&over, &whole]].map(|pair| point_depth_from(pair).depth);
+        let depth = depth[0].max(depth[1]);
+        assert!(depth > 0.03 && depth < 0.1, "{depth}");
+        for contact in [1.02, 1.1, 1.2, 1.5, 2.0].map(|share| share * depth) {
+            assert!(!are_walls_clashing([&whole, &over], contact) && !are_walls_clashing([&over, &whole], contact));
+        }
     }
 
     /// A cone of some faces, its tip at the origin, up along z; with the half angle of its faces, degrees.
