@@ -46,9 +46,16 @@ def clamped_beside(
     origins += row.frame[:3, 3] + (high + play) * row.axis
     ways = np.broadcast_to(-row.axis, origins.shape)
     length = high - low + play + _BEYOND * row.size
-    met = through(bare, origins, ways, np.full(len(origins), length))[1]
-    above = set(held)
-    others = {int(part) for part in np.unique(met) if part >= 0} - above - {end}
+    above, others = set(held), set[int]()
+    rest = bare.without(sorted({*above, end}))
+    while True:
+        # A ray misses faces that are flush with what it hits, also all of a part between two others.
+        met = through(rest, origins, ways, np.full(len(origins), length))[1]
+        more = {int(part) for part in np.unique(met) if part >= 0}
+        if not more:
+            break
+        others |= more
+        rest = rest.without(sorted(more))
     if not others:
         return []
     layers = {
