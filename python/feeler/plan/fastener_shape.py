@@ -381,11 +381,12 @@ def _recessed_screw(view: View) -> Found | None:
     radius = float(view.r[view.z < view.low + 0.4 * full].max())
     if radius < 0.3 * head:  # a pointed tip
         radius = max((b.radius for b in outer if b.radius < 0.75 * head), default=radius)
-    if any(
+    if recess.drive == "hexagon socket" and any(
         b.low < view.low + 0.05 * full
         and THREAD_BELOW[0] <= b.radius / radius <= THREAD_BELOW[1]
-        # A dog point is shorter.
+        # A dog point is shorter, and around the core of a thread are its ridges.
         and b.height > THREAD_BELOW_LENGTH * 2.0 * b.radius
+        and float(view.r[view.z < b.high - 0.05 * full].max()) < 1.03 * b.radius
         for b in outer
     ):
         return None  # a shoulder, on a thread of its own
