@@ -147,7 +147,7 @@ def check_list(what: str, value: object, give: str, error: type[FeelerError] = O
 
 
 def unmasked(what: str, value: object, error: type[FeelerError] = OptionError) -> object:
-    """The value. Raises the error for a masked array with masked entries: NumPy would read what is below the mask."""
+    """Returns the value. Raises the error for an array with masked entries, whose hidden values NumPy would use."""
     if isinstance(value, np.ndarray) and np.any(getattr(value, "mask", False)):
         raise error(f"{what} has masked entries: leave them out, or fill them with numpy.ma.filled")
     return value

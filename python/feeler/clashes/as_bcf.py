@@ -105,7 +105,7 @@ def write_bcf(
 
 
 def left_out(clashes: Clashes, by: GroupBy, topics: int) -> str:
-    """Which groups a file with so many topics leaves out, such as "has the 100 worst of 120 groups"; empty if none."""
+    """Says which groups a file with this many topics lacks: "has the 100 worst of 120 groups". Empty if it has all."""
     groups = clashes.groups(by)
     if topics >= len(groups):
         return ""

@@ -439,7 +439,7 @@ def _check_rigid(poses: Poses, which: str) -> None:
 
 @contextlib.contextmanager
 def _of_pose_file(path: Path) -> Iterator[None]:
-    """Puts the file in front of errors about what is in it."""
+    """Adds the name of the file to errors about its content."""
     try:
         yield
     except (PoseError, OptionError) as error:

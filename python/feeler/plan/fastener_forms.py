@@ -74,8 +74,8 @@ THIN_END = 0.72
 HIGH_HEAD = 1.3
 """Height of a head in diameters of its shank, above which several sections make a shaft: up to 1.2 for bolts."""
 THREAD_SHARES = (0.4, 0.2, 0.1)
-"""How much of what is below a head may be the thread, as shares that are tried: shoulders are up to ten times as
-long."""
+"""Shares of the length below the head, from the tip, in which the thread is sought one after the other. With the last
+one, a shoulder may be nine times as long as its thread."""
 SHOULDER = (1.05, 0.93)
 """The least radius of a shoulder, relative to its thread, and the greatest, relative to its head."""
 WIDEST_SHOULDER_HEAD = 3.5
@@ -235,7 +235,7 @@ def recessed(view: View) -> Found | None:
 
 
 def _on_thread(view: View, recess: Recess, head: float, bore: float, under: float, share: float) -> Found | None:
-    """The same with the thread somewhere in this share of what is below the head, from the tip on."""
+    """As `recessed`, if the thread is within this share of the length below the head, measured from the tip."""
     outer, full, below = view.outer(), view.high - view.low, under - view.low
     radius = thread_of(view, widest(view, view.low, view.low + share * below), recess)
     if bore > WIDEST_BORE * radius:

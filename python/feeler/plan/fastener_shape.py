@@ -507,7 +507,7 @@ def _long_nut(view: View) -> Found | None:
 
 
 def _round_nut(view: View) -> Found | None:
-    """A round nut with the flanks of its thread. Flanges and bosses look so too, so what is in its thread decides."""
+    """A round nut with the flanks of its thread. Flanges and bosses look alike: what is in its thread decides."""
     wide, full = float(view.r.max()), view.high - view.low
     if not view.threads or any(b.sides for b in view.outer()):
         return None

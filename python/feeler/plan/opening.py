@@ -224,7 +224,7 @@ class _Passage:
         best, turn = known, 0.0
         by: int | None = None
         turns = [step * k for k in range(TURNS)]
-        slender = max(aspect, 1.0 / aspect)  # a little turn in a slit costs so many times more width
+        slender = max(aspect, 1.0 / aspect)  # how much more width a small turn costs in a slit
         while best < math.inf:
             for angle in turns:
                 size, part = largest(angle, best)

@@ -33,7 +33,7 @@ class _Said(Approval, total=False):
     by: str
     note: str
     changed: str
-    """What is new since it was approved."""
+    """`renamed` or `renumbered` if the last comparison found one of its parts under another path or number."""
     group: str
     """Its group in the workbench."""
 
@@ -41,7 +41,7 @@ class _Said(Approval, total=False):
 class FindingRow(_Said):
     """A finding as `feeler clash --json` lists it: a row of `Project.findings`. Metres; None for NaN.
 
-    `by`, `note`, `changed`, `group` and what it was approved for are there only if they are known. Findings that the
+    `by`, `note`, `changed`, `group` and the fields of an approval exist only if they are known. Findings that the
     workbench opened from a file have the keys of that file.
     """
 
@@ -70,7 +70,8 @@ class FindingRow(_Said):
 class ProjectDocument(TypedDict, total=False):
     """What the workbench shows, by field: the answer of `Project.document`.
 
-    A project that the workbench never opened has empty lists alone. Parts are numbers, as keys of objects in text.
+    A project that the workbench never opened has empty lists, and `clash` after a check of the command line. Parts are
+    numbers, as keys of objects in text.
     """
 
     cards: list[dict[str, Any]]

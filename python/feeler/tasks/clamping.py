@@ -49,7 +49,7 @@ def clamped_beside(
     above, others = set(held), set[int]()
     rest = bare.without(sorted({*above, end}))
     while True:
-        # A ray misses faces that are flush with what it hits, also all of a part between two others.
+        # Of two flush faces a ray reports one. So it can miss a part between two others until these are left out.
         met = through(rest, origins, ways, np.full(len(origins), length))[1]
         more = {int(part) for part in np.unique(met) if part >= 0}
         if not more:

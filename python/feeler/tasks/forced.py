@@ -13,7 +13,7 @@ from feeler.tasks.together import Together
 def forced_order(scene: Scene, before: Sequence[object], question: Together) -> dict[int, frozenset[int]]:
     """Of items those that have to go before them.
 
-    Raises `OptionError` for what is no pair of parts, for parts that leave together, and for pairs in a circle.
+    Raises `OptionError` if an entry is not a pair of parts, if two parts leave together, or if pairs form a circle.
     """
     paths = scene.mockup.part_paths
     said: dict[tuple[int, int], tuple[int, int]] = {}

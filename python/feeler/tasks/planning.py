@@ -164,7 +164,7 @@ def planned(
         loose: frozenset[int],
         gives_up: Callable[[frozenset[int]], bool],
     ) -> tuple[Task, _Planner]:
-        """The answer with some circlips that leave with their part, and some plugs that do not. stays: what is kept."""
+        """The answer if circlips in `riding` leave with their part, plugs in `loose` do not, and `stays` is kept."""
 
         def look() -> Known:
             rows, joined = looked()

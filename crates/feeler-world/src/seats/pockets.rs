@@ -1,8 +1,8 @@
 //! Pockets of sunk parts, such as the socket of a countersunk screw in a plate without a hole.
 //!
-//! The plate's solid fills the socket, but nobody drew it there: the screw leaves, and the floor of its socket goes through that solid.
-//! So a pocket that opens where the solid ends counts as filled: its walls and its floor do not hold the part, and what was in it at the
-//! start is a part of its place.
+//! In such a model the plate's solid is also in the socket. The screw must come out although the floor of its socket passes through that
+//! solid. So a pocket whose mouth is at the surface of the neighbour counts as filled: its walls and floor hold nothing, and its volume
+//! belongs to the place that the part may leave through.
 
 use std::collections::BTreeSet;
 
