@@ -129,6 +129,16 @@ def test_most_rows_are_kept_where_one_part_in_a_hundred_moved() -> None:
     assert facts(run) == facts(maintained(meshes, None)) and [row.is_kept for row in run] == [True, True, False, True]
 
 
+def test_the_last_digits_of_coordinates_are_no_change(before: feeler.Maintenance) -> None:
+    """A file in inches, read in metres, has other last digits than that in millimetres."""
+    noisy = {path: (corners / 0.0254 * 0.0254 * (1.0 + 2.0**-52), faces) for path, (corners, faces) in parts().items()}
+    assert any((corners != parts()[path][0]).any() for path, (corners, _) in noisy.items())
+    run = maintained(noisy, before)
+    assert not run.changes and all(row.is_kept and not row.change for row in run)
+    shifted = {path: (corners + (path == "s2/lid") * 2e-9, faces) for path, (corners, faces) in noisy.items()}
+    assert [str(each) for each in maintained(shifted, before).changes] == ["s2/lid moved"]
+
+
 def test_what_blocks_is_named_with_its_change(before: feeler.Maintenance) -> None:
     """A kept lid over the bolt: no tool reaches it."""
     entries = [{"part": "s2/cover", "keep": "s2/lid"}, "s1/cover"]

@@ -62,7 +62,7 @@ EYE_M = 0.35
 LEAST_LEFT_S = 10.0
 """Shorter times that are left are not said."""
 _UNREACHED = "no tool reaches it"
-_VERSION = 4
+_VERSION = 5
 """Of what rows mean: a row of another version is not kept."""
 
 

@@ -34,6 +34,8 @@ _DECIMALS = 9
 _OTHERWISE: What = "is held otherwise"
 COARSE = 1e-5
 """The step of sizes and places of fasteners whose mesh is as it was, metres, and of directions."""
+SAME_PLACE_M = 1e-9
+"""The step of corners in a digest, metres: last digits of coordinates follow the unit of a file, and are no change."""
 SAME_SHARE = 1e-6
 """How much area and length of edges may differ where a part only moved."""
 
@@ -63,7 +65,7 @@ class Seen:
     """One part."""
 
     digest: str
-    """Of its triangles."""
+    """Of its triangles, to `SAME_PLACE_M`."""
     measure: tuple[float, float, float]
     """Number of triangles, area, square metres, and length of all edges, metres: motions keep them."""
     box: tuple[float, ...]
@@ -193,8 +195,9 @@ class Changes(Sequence[MaintainChange]):
         self._rows = tuple(rows)
         common = old.parts.keys() & new.parts.keys()
         is_mixed = [key for key in old.parts if key in common] != [key for key in new.parts if key in common]
-        is_same_box = np.array_equal(old.bounds, new.bounds, equal_nan=True)
-        self.is_beyond = is_mixed or not is_same_box or old.axes != new.axes or bool(retimed)
+        pairs = (old.bounds, new.bounds), (np.array(old.axes), np.array(new.axes))
+        is_same_box = all(np.allclose(a, b, rtol=0.0, atol=SAME_PLACE_M, equal_nan=True) for a, b in pairs)
+        self.is_beyond = is_mixed or not is_same_box or bool(retimed)
         """Whether it bears on all rows: parts come in another order, the box of all or its axes are others, by which
         directions are put in order, or new paths have other times."""
         rooms = [np.stack(room_of(*each.bounds)) for each in (old, new)]
@@ -283,7 +286,7 @@ def _what(before: Seen | None, now: Seen | None) -> What | None:
 
 def _seen(corners: Floats, bounds: Floats, known: Mapping[str, Seen]) -> Seen:
     """A part with triangles `(k, 3, 3)` and a box `(2, 3)`. known: parts by digest."""
-    digest = hashlib.blake2b(np.ascontiguousarray(corners).tobytes(), digest_size=12).hexdigest()
+    digest = hashlib.blake2b(_steps(corners, SAME_PLACE_M).tobytes(), digest_size=12).hexdigest()
     box = tuple(float(value) for value in bounds.ravel())
     before = known.get(digest)
     if before is not None and before.box == box and before.middle is not None:
@@ -318,7 +321,8 @@ def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Seque
     if row is not None:
         # Fasteners of one shape are aligned to one of them: another one changes their last digits.
         sizes = np.array([row.size, row.length, row.width, row.head_height])
-        facts += [row.kind, row.drive, _coarse(sizes).tolist(), _coarse(row.frame[:3, 2:]).ravel().tolist()]
+        facts += [row.kind, row.drive]
+        facts += [_steps(each, COARSE).tolist() for each in (sizes, row.frame[:3, 2:].ravel())]
     if hold is None:
         return Held(repr(facts), frozenset(), ())
     captive = fixings.captive_on(hold.fastener) if hold.fastener in fixings else None
@@ -336,9 +340,10 @@ def _held(hold: Hold | None, row: Fastener | None, fixings: Fixings, keys: Seque
     return Held(repr(facts), frozenset(keys[each] for each in joins), tuple(keys[each] for each in hold.mates))
 
 
-def _coarse(values: Floats) -> Floats:
-    """Whole steps, whose borders are off round numbers."""
-    return np.floor(values / COARSE + 0.37)
+def _steps(values: Floats, step: float) -> Floats:
+    """Whole steps, whose borders are off round numbers of metres and inches."""
+    with np.errstate(over="ignore"):
+        return np.floor(values / step + 0.37)
 
 
 def _mates(*held: Held | None) -> set[str]:
