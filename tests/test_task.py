@@ -116,6 +116,27 @@ def test_times_of_steps_add_up(covered: feeler.Scene) -> None:
     assert coarse.steps[-2].strokes == 48 and "not checked" in coarse.notes[0]
 
 
+def said(task: feeler.Task) -> list[tuple[str, str, tuple[str, ...]]]:
+    return [(each.part, each.because, each.blockers) for each in task.blocked]
+
+
+def test_a_forced_order_that_cannot_be_is_the_reason(covered: feeler.Scene) -> None:
+    held = feeler.task(covered, "cover", None, before=[("cover", "bolt")])
+    assert said(held) == [("bolt", "by the forced order it goes after a part that it holds", ("cover",))]
+    walls = {"floor": box((-0.06, -0.06, -0.01), (0.06, 0.06, 0.0))}
+    for n, x, y in ((0, 0.055, 0.0), (1, -0.055, 0.0), (2, 0.0, 0.055), (3, 0.0, -0.055)):
+        half = (0.005, 0.06) if x else (0.05, 0.005)
+        walls[f"wall{n}"] = box((x - half[0], y - half[1], 0.0), (x + half[0], y + half[1], 0.06))
+    low, high = box((-0.049, -0.049, 0.001), (0.049, 0.049, 0.011)), box((-0.049, -0.049, 0.012), (0.049, 0.049, 0.03))
+    scene = scene_of(**walls, low=low, middle=box((-0.02, -0.02, 0.0112), (0.02, 0.02, 0.0118)), high=high)
+    task = feeler.task(scene, "low", None, keep=["floor", "wall*"], before=[("low", "middle"), ("middle", "high")])
+    assert {(part, because.split("order ")[1], blockers) for part, because, blockers in said(task)} == {
+        ("low", "it goes before what is in its way", ("middle", "high")),
+        ("middle", "it goes before what is in its way", ("high",)),
+        ("high", "it goes after a part in whose way it is", ("low", "middle")),
+    }
+
+
 def test_a_forced_order_is_kept_and_one_that_cannot_be_is_said(covered: feeler.Scene) -> None:
     place = np.eye(4)
     place[0, 3] = 0.1
@@ -129,7 +150,8 @@ def test_a_forced_order_is_kept_and_one_that_cannot_be_is_said(covered: feeler.S
         assert feeler.task(two, ["a", "b"], before=pairs).is_found  # type: ignore[arg-type]
     blocked = feeler.task(covered, "cover", driver(), before=[("bolt", "lid")])
     assert not blocked.is_found and "order was forced" in blocked.notes[-1]
-    assert not any("no tool reaches it" in each.because for each in blocked.blocked)
+    reason = "by the forced order it goes after a fastener whose tool needs its room"
+    assert said(blocked) == [("lid", reason, ("bolt",))]
     with pytest.raises(OptionError, match="before goes in a circle: 'a' before 'b' before 'a': leave one"):
         feeler.task(two, ["a", "b"], before=[("a", "b"), ("b", "a")])
     with pytest.raises(OptionError, match="before goes in a circle: 'a' before 'under' before 'b' before 'a': leave"):

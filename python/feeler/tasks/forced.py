@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from feeler.arguments import shown
 from feeler.errors import OptionError
@@ -42,6 +42,22 @@ def forced_order(scene: Scene, before: Sequence[object], question: Together) -> 
         chain = [name for n, name in enumerate(names) if n == 0 or name != names[n - 1]]
         raise OptionError(f"before goes in a circle: {' before '.join(map(repr, chain))}: leave one of these pairs out")
     return found
+
+
+def turned(ahead: Mapping[int, frozenset[int]]) -> dict[int, frozenset[int]]:
+    """Of items those that wait for them, from those that go before."""
+    items = frozenset[int]().union(*ahead.values())
+    return {item: frozenset(other for other, all_ in ahead.items() if item in all_) for item in sorted(items)}
+
+
+def behind(pairs: Mapping[int, frozenset[int]], item: int) -> frozenset[int]:
+    """What follows from an item by pairs, and from these."""
+    found: set[int] = set()
+    waiting = frozenset({item})
+    while waiting:
+        waiting = frozenset[int]().union(*(pairs.get(each, frozenset()) for each in waiting)) - found
+        found |= waiting
+    return frozenset(found)
 
 
 def _circle(ahead: dict[int, frozenset[int]]) -> list[int]:

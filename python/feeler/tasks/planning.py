@@ -40,7 +40,8 @@ from feeler.tasks.replanning import Found as Known
 from feeler.tasks.replanning import Memory
 from feeler.tasks.riding_rings import better, riding_rings
 from feeler.tasks.search import Found, Search
-from feeler.tasks.steps import TaskBlocker, TaskStep
+from feeler.tasks.staying import Staying
+from feeler.tasks.steps import TaskStep
 from feeler.tasks.studs import with_wanted_studs
 from feeler.tasks.times import Arithmetic, Timed, TimesLike, idle_patterns, strokes_for, times_of
 from feeler.tasks.together import Together
@@ -743,10 +744,9 @@ class _Planner:
         return part in self.question.parts_of([TARGET])
 
     def _blocked(self, found: Found) -> Task:
-        rows = [self._blocker(item, blockers) for item, blockers in found.stuck.items()]
+        staying = Staying(self.actions, self.wanted, self.forced, found.stuck)
+        rows = [staying.blocker(item) for item in found.stuck] or [staying.in_its_way()]
         is_complete = found.is_complete and self.clock.goes_on()
-        if not rows:
-            rows = [self._in_its_way()]
         notes: tuple[str, ...] = ()
         if found.is_full:
             notes = (_FULL.format(self.search.sets),)
@@ -762,39 +762,3 @@ class _Planner:
             *(self.wanted, False, (), nan, nan, bound, tuple(rows), self.people, is_complete, elements, examples),
             notes=notes,
         )
-
-    def _in_its_way(self) -> TaskBlocker:
-        """Of the wanted parts what is known to hold them, and to be in their way where the fewest are, if the search
-        ended before it knew what stays."""
-        actions, question = self.actions, self.question
-        first = sorted({item for joint in actions.certain(TARGET) for item in joint})
-        node = actions.node(TARGET, actions.riding(TARGET))
-        ways = [sorted(one.blockers) for one in actions.graph.known(node)]
-        more = min(ways, key=len) if ways else []
-        nodes = dict.fromkeys([*(more or sorted(actions.graph.touching(node))), *first])
-        paths = [self.mockup.part_paths[part] for node in nodes for part in question.parts_of([node])[:1]]
-        return TaskBlocker(self.wanted[0], "the search ended before a plan was found", tuple(paths))
-
-    def _blocker(self, item: int, blockers: frozenset[int]) -> TaskBlocker:
-        actions, question, paths = self.actions, self.question, self.mockup.part_paths
-        parts = question.parts_of([item])
-        first = next(iter([*(part for part in question.wanted if item == TARGET), *parts]), None)
-        path = ", ".join(self.wanted) if first is None else paths[first if item == TARGET else item]
-        if not actions.is_turned(item):
-            empty = any(not joint for joint in actions.certain(item))
-            said = "a fastener that holds it is kept" if empty else "no way out was found"
-            node = actions.node(item, actions.riding(item))
-            known = actions.graph.known_blockers(node) if not empty else {}
-            worst = sorted(known, key=lambda node: (-known[node], node)) or sorted(actions.graph.touching(node))
-            around = [part for each in worst for part in question.parts_of([each])]
-            ahead = actions.kept_holders(node) if empty else around
-            return TaskBlocker(path, said, tuple(paths[part] for part in ahead))
-        if item in actions.met:
-            return TaskBlocker(path, "it does not come out along its axis", tuple(paths[p] for p in actions.met[item]))
-        answer = actions.answer(item, frozenset())
-        if answer.tooled:
-            before = question.parts_of(sorted(self.forced.get(item, actions.needed(item))))
-            return TaskBlocker(
-                path, "what has to go before it does not come out", tuple(paths[part] for part in before)
-            )
-        return TaskBlocker(path, f"no tool reaches it: {answer.because}", tuple(paths[p] for p in answer.blockers))
