@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -41,10 +42,7 @@ def clamped_beside(
     if not (np.isfinite(row.size) and row.size > 0.0 and low < high):
         return []
     play = _GAP * row.size
-    ring = around(row.frame, _AROUND)
-    origins = np.concatenate([share * row.size * ring for share in _SHARES])
-    origins += row.frame[:3, 3] + (high + play) * row.axis
-    ways = np.broadcast_to(-row.axis, origins.shape)
+    origins, ways = _rays(row, high + play)
     length = high - low + play + _BEYOND * row.size
     above, others = set(held), set[int]()
     rest = bare.without(sorted({*above, end}))
@@ -65,6 +63,26 @@ def clamped_beside(
     rays = [{part: rows[n] for part, rows in layers.items()} for n in range(len(origins))]
     borne = _bearing(rays, above, end, play)
     return _counted(rays, above, end, borne, play) or _counted(rays, above, end, borne, _LOOSE * row.size, {end})
+
+
+def shoulder_below(alone: Scene, nut: Fastener, high: float, length: float) -> float | None:
+    """The height at which a part that has the thread of a nut is wider than that, in the frame of the nut.
+
+    alone: that part; high: of the face of the nut; length: how far below it is looked. None if it is nowhere.
+    """
+    if not (np.isfinite(nut.size) and nut.size > 0.0 and length > 0.0):
+        return None
+    origins, ways = _rays(nut, high)
+    far = np.sort(through(alone, origins, ways, np.full(len(origins), length))[0][:, 0].reshape(-1, _AROUND), axis=1)
+    found = far[:, math.ceil(_LEAST * _AROUND) - 1].min()
+    return float(high - found) if np.isfinite(found) else None
+
+
+def _rays(row: Fastener, height: float) -> tuple[Floats, Floats]:
+    """Rays inwards beside a shank, from a height in the frame of a fastener: origins and directions."""
+    ring = around(row.frame, _AROUND)
+    origins = np.concatenate([share * row.size * ring for share in _SHARES]) + row.frame[:3, 3] + height * row.axis
+    return origins, np.broadcast_to(-row.axis, origins.shape)
 
 
 def _bearing(rays: list[dict[int, list[_Layer]]], above: set[int], end: int, play: float) -> set[tuple[int, int]]:

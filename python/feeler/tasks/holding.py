@@ -21,7 +21,7 @@ from feeler.progress import Progress
 from feeler.renamed import OldAttributes
 from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
-from feeler.tasks.clamping import clamped_beside
+from feeler.tasks.clamping import clamped_beside, shoulder_below
 from feeler.tasks.cotters import cotters_of
 from feeler.tasks.passing import SEAT, Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
@@ -455,6 +455,7 @@ class _Holding:
         clamped += self._borne(nut, washers)
         if not _is_stud(shank):
             clamped += self._borne(shank, washers)
+            clamped += self._shouldered(shank, washers, clamped)
         clamped += self._shouldered(nut, washers, clamped)
         clamped = [each for each in clamped if each.part != _part(anchor)]
         if anchor is not None:
@@ -491,9 +492,13 @@ class _Holding:
         return [Passed(part, below, below, 0.0) for part in parts]
 
     def _shouldered(self, row: Fastener, washers: list[int], held: list[Passed]) -> list[Passed]:
-        """What rings with a shoulder bear on, if a head or a nut holds nothing but such: grommets, flanged bushes."""
-        rings = sorted({each.part for each in held})
-        if not rings or not all(self._is_round_it(row, part, TALL) for part in rings):
+        """What rings with a shoulder bear on, if a head or a nut holds or bears on nothing but such: grommets, flanged
+        bushes."""
+        for ends in (held, self._borne(row, washers)):
+            rings = sorted({each.part for each in ends})
+            if rings and all(self._is_round_it(row, part, TALL) for part in rings):
+                break
+        else:
             return []
         local = np.concatenate([self.meshes.mesh(part)[0] - row.frame[:3, 3] for part in rings]) @ row.frame[:3, :3]
         below, wide = self._face(row, washers)[0], 2.0 * float(np.hypot(local[:, 0], local[:, 1]).max())
@@ -576,8 +581,16 @@ class _Holding:
             if more and not held:
                 washers = [*washers, *more]
                 held = [each for each in self._borne(nut, washers) if each.part != _part(anchor)]
-        said = "nothing is in its bore" if anchor is None else f"its thread is on {self._name(anchor.part)}"
-        return self._held(nut, held, washers, _part(anchor), (), said)
+        if anchor is None:
+            return self._held(nut, held, washers, None, (), "nothing is in its bore")
+        shoulder = self._shoulder(nut, anchor.part)
+        held = held if shoulder is None else held + self._beside(nut, washers, held, shoulder, anchor.part)
+        return self._held(nut, held, washers, anchor.part, (), f"its thread is on {self._name(anchor.part)}")
+
+    def _shoulder(self, nut: Fastener, part: int) -> float | None:
+        """Where the part that a nut is on is wider than its thread below it: at the head of a hammer bolt, the collar of
+        an eye bolt or a shaft. In the frame of the nut."""
+        return shoulder_below(self.scene.only([part]), nut, -_finite(nut.length), float(self.sizes[part].max()))
 
     def _play(self, nut: Fastener, inside: Passed) -> float:
         """How much wider the bore of a nut is than a part in it, as a share, to a thousandth: its thread is tight."""
@@ -602,7 +615,8 @@ class _Holding:
         if not parts and anchor is not None and not mates:
             because = f"{said}; it holds nothing but {'its washers' if washers else 'itself'}"
             return _row(self.mockup, row.part, row.kind, (row.part,), tuple(washers), anchor, (), because)
-        more = clasped(self.bare, parts, {row.part, *mates, *washers, *([] if anchor is None else [anchor])})
+        known = {row.part, *mates, *washers, *([] if anchor is None else [anchor])}
+        more = clasped(self.bare, parts, known, self.meshes)
         because = f"{said}; what its clamps touch comes loose too" if more else said
         return _row(self.mockup, row.part, row.kind, (*parts, *more), tuple(washers), anchor, mates, because)
 

@@ -30,6 +30,8 @@ HALVES_M = 3e-3
 """The widest gap between the halves of a clamp."""
 ASIDE, UNDERCUT = 0.3, 0.1
 """What lies in an open half: the normals there have this mean at least, and none points against it by more."""
+OPPOSITE = 0.9
+"""The least cosine between the directions of two halves of a clamp, from what is between them."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
 _AROUND = 24  # rays around a circlip, on each side
@@ -52,20 +54,33 @@ class Retained:
     because: str
 
 
-def clasped(scene: Scene, parts: Iterable[int], but: set[int]) -> list[int]:
-    """What the clamps and clips among some parts touch, but for some. scene: without fasteners.
+def clasped(scene: Scene, parts: Iterable[int], but: set[int], meshes: PartMeshes) -> list[int]:
+    """What the clamps and clips among some parts touch, but for some. scene: without fasteners; meshes: of all parts.
 
-    A fastener that holds only one half of a clamp joins it to its support, and does not hold what the clamp is around.
+    A fastener that holds only one half of a clamp joins it to its support, and does not hold what lies between both.
     """
     mockup, found, known = scene.mockup, set[int](), {*parts} | but
     for part in parts:
         if retainer_said(mockup.part_names[part]) == "clasp":
             near = scene.clearance(Tool.of_parts(mockup, [part]), np.eye(4), HALVES_M)
-            touched = {int(each): float(gap) for each, gap in zip(near.parts, near.distances, strict=True)}
-            halves = {each for each in touched if retainer_said(mockup.part_names[each]) == "clasp"} - {part}
-            if not halves or halves & known:
-                found.update(each for each, gap in touched.items() if gap <= CLASP_M)
+            inside = {int(each) for each, gap in zip(near.parts, near.distances, strict=True) if gap <= CLASP_M}
+            others = {int(each) for each in near.parts if retainer_said(mockup.part_names[each]) == "clasp"} - {part}
+            if not others & known:
+                inside -= {each for other in others for each in _between(scene, part, other, inside, meshes)}
+            found |= inside
     return sorted(found - known)
+
+
+def _between(scene: Scene, half: int, other: int, parts: Iterable[int], meshes: PartMeshes) -> set[int]:
+    """Of some parts those between two halves of a clamp, and the other half; clamps of pipes that cross have nothing
+    between them."""
+    found = set[int]()
+    for part in sorted({*parts} - {other}):
+        sides = [_side(scene, each, part, meshes) for each in (half, other)]
+        if sides[0] is not None and sides[1] is not None:
+            sizes = np.linalg.norm(sides[0]) * np.linalg.norm(sides[1])
+            found |= {part, other} if float(sides[0] @ sides[1]) < -OPPOSITE * sizes else set()
+    return found
 
 
 def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
@@ -122,8 +137,8 @@ def gripped(scene: Scene, clamp: int, held: Iterable[int], meshes: PartMeshes) -
     return sorted(found - set(held) - {clamp})
 
 
-def _lies_in(scene: Scene, clamp: int, part: int, meshes: PartMeshes) -> bool:
-    """Whether a part only lies in a clamp, as a pipe in the lower half of one: the clamp comes off sideways."""
+def _side(scene: Scene, clamp: int, part: int, meshes: PartMeshes) -> Floats | None:
+    """On which side of a clamp a part only lies, as a pipe in the lower half of one: the clamp comes off sideways."""
     corners = meshes.corners(clamp)
     volume = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     middles, normals, areas = _off(corners)
@@ -131,9 +146,9 @@ def _lies_in(scene: Scene, clamp: int, part: int, meshes: PartMeshes) -> bool:
     hits = scene.only([part]).rays(middles - CLASP_M * ways, ways, within=2.0 * CLASP_M)
     is_met = np.asarray(hits.triangles) >= 0
     towards, weight = ways[is_met], areas[is_met]
-    mean = weight @ towards / max(float(weight.sum()), 1e-300)
+    mean: Floats = weight @ towards / max(float(weight.sum()), 1e-300)
     size = float(np.linalg.norm(mean))
-    return size > ASIDE and float((towards @ mean).min()) > -UNDERCUT * size
+    return mean if size > ASIDE and float((towards @ mean).min()) > -UNDERCUT * size else None
 
 
 def _off(corners: Floats) -> tuple[Floats, Floats, Floats]:
@@ -155,7 +170,7 @@ def clips(scene: Scene, held: set[int], but: set[int]) -> list[Retained]:
     for part in np.flatnonzero(scene.part_mask).tolist():
         if part in held or part in but or retainer_said(mockup.part_names[part]) != "clasp":
             continue
-        parts = tuple(each for each in clasped(bare, [part], set()) if not _lies_in(bare, part, each, meshes))
+        parts = tuple(each for each in clasped(bare, [part], set(), meshes) if _side(bare, part, each, meshes) is None)
         if parts:
             rows.append(
                 Retained(part, "clip", parts, None, "it clamps them; no fastener holds it, its name says clamp")
