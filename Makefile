@@ -313,6 +313,7 @@ lint-python: build ## ruff, mypy (strict), and the type stubs against the compil
 	$(BIN)/ruff check --quiet .
 	$(BIN)/ruff format --check --quiet .
 	$(PY) -m mypy
+	$(PY) -m mypy examples
 	MYPYPATH=python $(PY) -m mypy.stubtest feeler._core --mypy-config-file pyproject.toml
 
 .PHONY: lint-page

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 from unittest import mock
@@ -72,7 +73,7 @@ def without_names(mockup: feeler.Mockup) -> feeler.Mockup:
     return feeler.Mockup(mockup.vertices, mockup.faces, mockup.part_of_face)
 
 
-def scores(found: feeler.Fasteners, truth: dict[str, Truth], paths: list[str]) -> tuple[float, float]:
+def scores(found: feeler.Fasteners, truth: dict[str, Truth], paths: Sequence[str]) -> tuple[float, float]:
     """Recall and precision; a fastener found is right if its place and direction are."""
     right = 0
     for row in found:

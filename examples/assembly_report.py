@@ -31,7 +31,9 @@ for number, hit in enumerate(hits):
         row = rows.setdefault(part, [0, number, number, 0])
         row[:] = [row[0] + 1, row[1], number, max(row[3], count)]
 heading = ["part", "poses", "first pose", "last pose", "most triangles at once"]
-lines = [[mockup.part_paths[part], *row] for part, row in sorted(rows.items(), key=lambda item: -item[1][0])]
+lines: list[list[str | int | float | None]] = [
+    [mockup.part_paths[part], *row] for part, row in sorted(rows.items(), key=lambda item: -item[1][0])
+]
 with open("report.csv", "wb") as file:
     file.write(csv_table(heading, lines))
 print(f"{sum(len(hit.pairs) > 0 for hit in hits)} of {len(hits)} poses collide; parts hit: {len(rows)}; see report.csv")

@@ -43,7 +43,7 @@ for low in np.arange(0.3, 1.1, 0.2):
     ring = (radius >= low) & (radius < low + 0.2)
     print(f"  {low:.1f} to {low + 0.2:.1f} of the engine's radius: {free[ring].mean():4.0%} free")
 
-pose_of_pair = np.repeat(np.arange(count), pairs_of_pose)
+pose_of_pair = np.repeat(np.arange(count), np.asarray(pairs_of_pose, dtype=np.int64))
 hits = np.unique(np.stack([mockup.part_of_face[batch.pairs[:, 1]], pose_of_pair]), axis=1)
 print("most often in the way:")
 for part, number in Counter(hits[0].tolist()).most_common(5):

@@ -9,8 +9,9 @@ import sys
 
 import feeler
 from feeler.clashes import write_bcf, write_html
+from feeler.types import Fault
 
-FAULTS = ["pipe_clash", "too_near", "missing_hole", "duplicate", "inside", "mirrored"]
+FAULTS: list[Fault] = ["pipe_clash", "too_near", "missing_hole", "duplicate", "inside", "mirrored"]
 
 pipes = {"name": "pipes", "a": "*/pipe", "b": "*bracket*", "clearance": 0.005, "severity": "critical", "optional": True}
 fits: list[dict[str, object]] = []

@@ -45,7 +45,8 @@ with feeler.view(scene, tool, pose=start, browser=is_open) as view:
     view.command("release")
     (removal,) = view.session.document()["sequence"]
     clearance = removal["least_clearance"]
-    print(f"{len(removal['parts'])} parts came out, {clearance * 1e3:.2f} mm was the least room they had")
+    room = "no other part was near" if clearance is None else f"{clearance * 1e3:.2f} mm was the least room they had"
+    print(f"{len(removal['parts'])} parts came out, {room}")
 
     view.screenshot("workbench.png")
     if is_open:

@@ -42,7 +42,7 @@ def scene(mockup: feeler.Mockup) -> feeler.Scene:
 
 def test_a_tool_of_parts_is_where_they_are(mockup: feeler.Mockup) -> None:
     tool = feeler.Tool.of_parts(mockup, "unit")
-    assert (tool.part_names, tool.part_paths) == (["block", "knob"], ["unit/block", "unit/knob"])
+    assert (tool.part_names, tool.part_paths) == (("block", "knob"), ("unit/block", "unit/knob"))
     assert tool.name == "2 parts" and tool.triangle_count == 24 and len(tool.vertices) == 16
     chosen = np.isin(mockup.part_of_face, [2, 3])
     np.testing.assert_array_equal(tool.vertices[tool.faces], mockup.vertices[mockup.faces[chosen]])
@@ -59,7 +59,7 @@ def test_how_a_tool_of_parts_is_called(mockup: feeler.Mockup) -> None:
     everything = feeler.Tool.of_parts(mockup)
     assert everything.part_paths == mockup.part_paths and everything.triangle_count == 60
     # The mock-up's order, whatever the caller's.
-    assert feeler.Tool.of_parts(mockup, ["lid", "left"]).part_names == ["left", "lid"]
+    assert feeler.Tool.of_parts(mockup, ["lid", "left"]).part_names == ("left", "lid")
 
 
 def test_what_is_no_tool_of_parts(mockup: feeler.Mockup) -> None:
@@ -220,12 +220,12 @@ def test_results_with_tool_parts_travel(floor: feeler.Scene, hand: feeler.Tool) 
 
 def test_a_tool_has_one_part_unless_it_is_told() -> None:
     tool = feeler.Tool(*cube((0, 0, 0), 1), "wrench")
-    assert (tool.part_names, tool.part_paths, tool.part_count) == (["wrench"], ["wrench"], 1)
+    assert (tool.part_names, tool.part_paths, tool.part_count) == (("wrench",), ("wrench",), 1)
     assert tool.part_of_face.tolist() == [0] * 12
     assert tool.parts[0] == tool.parts.find("wrench")[0]
     assert tool.parts[0].lower == (-0.5, -0.5, -0.5) and tool.parts[0].triangles == 12
     two = feeler.Tool(*joined(cube((0, 0, 0), 1), cube((2, 0, 0), 1)), "pair", np.repeat([0, 1], 12))
-    assert two.part_names == ["part_0", "part_1"]
+    assert two.part_names == ("part_0", "part_1")
     for wrong, words in (
         ({"part_of_face": [0] * 11}, "11 entries"),
         ({"part_of_face": [0] * 11 + [-1]}, "from -1"),
@@ -249,12 +249,12 @@ def test_a_file_with_several_parts_is_a_tool_of_them(tmp_path: Path, mockup: fee
     write_glb(tmp_path / "unit.glb", mockup)
     tool = feeler.load_tool(tmp_path / "unit.glb")
     world = feeler.load_mockup(tmp_path / "unit.glb")
-    assert tool.part_names == mockup.part_names == ["left", "right", "block", "knob", "lid"]
+    assert tool.part_names == mockup.part_names == ("left", "right", "block", "knob", "lid")
     assert tool.part_paths == world.part_paths and tool.part_paths[2].endswith("unit/block")
     np.testing.assert_array_equal(tool.part_of_face, world.part_of_face)
     assert tool.name == "unit"
     (tmp_path / "two.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no a\nf 1 2 3\no b\nf 1 2 4\n")
-    assert feeler.load_tool(tmp_path / "two.obj", "m").part_names == ["a", "b"]
+    assert feeler.load_tool(tmp_path / "two.obj", "m").part_names == ("a", "b")
 
 
 # --- assemblies ------------------------------------------------------------------------------------------------------
@@ -266,15 +266,15 @@ def test_an_assembly_is_its_items_in_their_places() -> None:
     place = at(0, 0, 2, 90)
     both = feeler.Tool.assembly({"hand": hand, "wrench": (wrench, place)}, name="reach")
     assert both.name == "reach" and both.part_count == 3
-    assert both.part_names == ["palm", "thumb", "wrench"]
-    assert both.part_paths == ["hand/palm", "hand/digits/thumb", "wrench"]
+    assert both.part_names == ("palm", "thumb", "wrench")
+    assert both.part_paths == ("hand/palm", "hand/digits/thumb", "wrench")
     assert both.part_of_face.tolist() == [0] * 12 + [1] * 12 + [2] * 12
     np.testing.assert_array_equal(both.vertices[both.faces][:24], hand.vertices[hand.faces])
     np.testing.assert_array_equal(both.vertices[both.faces][24:], oracle.at_pose(wrench.vertices[wrench.faces], place))
     assert both.parts.select("hand").tolist() == [0, 1] and both.parts.select("*/thumb").tolist() == [1]
     # An assembly of an assembly.
     more = feeler.Tool.assembly({"a": (both, at(0, 0, 1)), "b": both})
-    assert more.part_paths[:3] == ["a/hand/palm", "a/hand/digits/thumb", "a/wrench"] and more.name == "assembly"
+    assert more.part_paths[:3] == ("a/hand/palm", "a/hand/digits/thumb", "a/wrench") and more.name == "assembly"
     assert [part.lower[2] for part in more.parts][2::3] == [2.875, 1.875]
 
 

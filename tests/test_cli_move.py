@@ -56,7 +56,7 @@ def test_the_worst_position_shows_both_parts_and_their_closest_points(door: Path
     facts = run_json(*words, "--glb", str(tmp_path / "w.glb"), "--csv", str(tmp_path / "g.csv"))
     assert facts["worst"]["hinge"] == pytest.approx(np.radians(30), abs=1e-3)
     shown = feeler.load_mockup(tmp_path / "w.glb")
-    assert shown.part_paths == ["w/m/door", "w/m/wall", "w/closest points"]
+    assert shown.part_paths == ("w/m/door", "w/m/wall", "w/closest points")
     assert shown.part_colours is not None
     assert shown.part_colours[0] == pytest.approx((0.95, 0.55, 0.1), abs=0.01)
     assert shown.part_colours[1] == pytest.approx((0.8, 0.1, 0.1), abs=0.01)

@@ -281,7 +281,7 @@ def test_what_cannot_be_told_is_said(tmp_path: Path) -> None:
         (["--part", "*"], "no part of the mock-up is left"),
         ([*PUMP, "--without", "*"], "no part of the mock-up is left"),
         ([], "nothing moves: give --tool FILE, or --part PATTERN"),
-        ([*PUMP, "--tool", "sample:wrench"], "not both"),
+        ([*PUMP, "--tool", "sample:wrench"], "--tool and --part are both given"),
         ([*PUMP, "--tool-unit", "mm"], "--tool-unit is for --tool"),
     ],
     ids=str,

@@ -38,8 +38,8 @@ def test_a_class_that_takes_no_share_is_no_progress(kind: type) -> None:
 
 def test_pairs_of_arrays_are_parts() -> None:
     made = feeler.Mockup({"a": (VERTICES, FACES), "b": {"c": (VERTICES.tolist(), FACES.tolist())}})
-    assert made.part_paths == ["a", "b/c"] and made.triangle_count == 2
-    assert feeler.Mockup([(VERTICES, FACES)]).part_names == ["part_0"]
+    assert made.part_paths == ("a", "b/c") and made.triangle_count == 2
+    assert feeler.Mockup([(VERTICES, FACES)]).part_names == ("part_0",)
     with pytest.raises(feeler.MeshError):
         feeler.Mockup({"a": (VERTICES, FACES, FACES)})
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from loading import notes, save, soup
-from test_io_builders import CORNERS, SOUP, Gltf, obj_text, stl_binary, stl_text
+from test_io_builders import CORNERS, SOUP, Gltf, obj_text, stl_binary, stl_text, threemf, threemf_mesh
 from typer.testing import CliRunner
 
 import feeler
@@ -80,7 +80,7 @@ def test_a_file_of_a_folder_that_fails_is_left_out_and_named(tmp_path):
     save(tmp_path / "sub", "b.ply", b"\x1f\x8b packed")
     seen: list[float] = []
     mockup = load_mockup(tmp_path, progress=lambda fraction, stage: seen.append(fraction))
-    assert mockup.part_paths == ["a", "d/part"]
+    assert mockup.part_paths == ("a", "d/part")
     assert seen == sorted(seen) and seen[-1] == 1.0
     doubts = mockup.report.source.doubts
     assert len(doubts) == 4 and all("left out, as it cannot be read" in doubt for doubt in doubts)
@@ -370,3 +370,33 @@ def test_boxes_in_a_lattice_are_compared_with_few_others(monkeypatch):
         return sum(rows) / len(low)
 
     assert compared(24) < 2.0 * compared(12)
+
+
+# --- words for what is damaged ---------------------------------------------------------------------------------------
+
+
+def test_what_a_file_is_refused_for_is_named(tmp_path):
+    """Never as a damage that was not foreseen, with Python's words."""
+    for encoding in ("Shift_JIS", "no-such"):
+        (tmp_path / "a.dae").write_bytes(f'<?xml version="1.0" encoding="{encoding}"?><COLLADA/>'.encode())
+        with pytest.raises(LoadError, match=r"the encoding of its text is not read \(.*\); save it as UTF-8"):
+            load_mockup(tmp_path / "a.dae")
+    data = bytearray(threemf(threemf_mesh(1), '<item objectid="1"/>'))
+    at = data.index(b"3dmodel.model") + len("3dmodel.model")
+    data[at + 10 : at + 40] = bytes(30)
+    (tmp_path / "a.3mf").write_bytes(data)
+    with pytest.raises(LoadError, match="the archive is damaged") as error:
+        load_mockup(tmp_path / "a.3mf")
+    assert "not foreseen" not in str(error.value)
+    with pytest.raises(LoadError, match="does not begin with a line 'ply'"):
+        load_mockup(save(tmp_path, "a.ply", "\nply\nformat ascii 1.0\nend_header\n"))
+
+
+def test_a_glb_filled_up_with_zeros_is_read(tmp_path):
+    good = glb()
+    size = int.from_bytes(good[12:16], "little")
+    text = good[20 : 20 + size].rstrip()
+    filled = text + b"\0" * (8 - len(text) % 4)
+    rest = good[20 + size :]
+    head = good[:8] + (20 + len(filled) + len(rest)).to_bytes(4, "little") + len(filled).to_bytes(4, "little")
+    assert load_mockup(save(tmp_path, "a.glb", head + good[16:20] + filled + rest)).triangle_count > 0

@@ -41,7 +41,7 @@ def test_a_trimesh_keeps_its_order() -> None:
     mesh = trimesh.Trimesh(CUBE, TRIANGLES, process=False, metadata={"name": "cube"})
     for mockup in (feeler.from_trimesh(mesh), feeler.Mockup(mesh)):
         assert np.array_equal(mockup.vertices, CUBE) and np.array_equal(mockup.faces, TRIANGLES)
-        assert mockup.part_paths == ["cube"]
+        assert mockup.part_paths == ("cube",)
         source = mockup.report.source
         assert (source.format, source.unit) == ("trimesh.Trimesh", "m") and "none is stated" in source.unit_source
     tool = feeler.Tool(mesh, name="probe")
@@ -90,7 +90,7 @@ def test_a_scene_gives_a_part_for_every_place() -> None:
             "frame/arm": [[2, 0, 0], [3, 1, 1]],
             "frame/arm/hand": [[4.5, 0, 0], [5, 0.5, 0.5]],
         }
-        assert mockup.part_names == ["frame", "arm", "hand"]
+        assert mockup.part_names == ("frame", "arm", "hand")
         assert [volume(mockup, part) for part in range(3)] == pytest.approx([1, 1, 0.125]), "none inside out"
         assert any("PointCloud" in note for note in mockup.source.notes)
     assert feeler.Tool(scene()).triangle_count == 36
@@ -114,7 +114,7 @@ def test_units_of_a_scene() -> None:
 def test_lists_and_dicts_name_their_parts() -> None:
     mesh = trimesh.Trimesh(CUBE, TRIANGLES, process=False)
     found = feeler.Mockup({"left": mesh, "right": [mesh, scene()], "a/b": mesh})
-    assert found.part_paths == [
+    assert list(found.part_paths) == [
         "left",
         "right/part_0",
         "right/part_1/frame",
@@ -123,7 +123,7 @@ def test_lists_and_dicts_name_their_parts() -> None:
         "a_b",
     ]
     assert feeler.Tool([mesh, mesh]).triangle_count == 24
-    assert feeler.from_trimesh((mesh, mesh)).part_paths == ["part_0", "part_1"]
+    assert feeler.from_trimesh((mesh, mesh)).part_paths == ("part_0", "part_1")
 
 
 def test_bad_indices_stay_bad_among_several() -> None:
@@ -142,7 +142,7 @@ def test_our_own_meshes() -> None:
     alone = feeler.Tool(tool.vertices, tool.faces, "alone")
     again = feeler.Mockup({"one": made, "two": alone, "three": tool})
     parts = ["frame", "frame/arm", "frame/arm/hand"]
-    assert again.part_paths == [*(f"one/{part}" for part in parts), "two", *(f"three/{part}" for part in parts)]
+    assert again.part_paths == (*(f"one/{part}" for part in parts), "two", *(f"three/{part}" for part in parts))
     assert again.triangle_count == 108 and again.parts[1].triangles == 12
     assert feeler.Mockup(made).part_paths == made.part_paths
 
@@ -225,7 +225,7 @@ def test_blocks_are_parts_and_what_has_no_surface_is_counted() -> None:
         {"body": poly_data(), "inner": MultiBlock({"core": poly_data(faces=TRIANGLES)}), "gone": None, "line": line}
     )
     for mockup in (feeler.from_pyvista(blocks, unit="mm"), feeler.Mockup(blocks, unit="mm")):
-        assert mockup.part_paths == ["body", "inner/core"]
+        assert mockup.part_paths == ("body", "inner/core")
         assert np.allclose(mockup.bounds, [[0, 0, 0], [0.001] * 3])
         notes = "; ".join(mockup.source.notes)
         assert "1 empty block" in notes and "1 list of lines" in notes
@@ -279,7 +279,7 @@ def test_open3d_of_either_api() -> None:
     model = SimpleNamespace(
         meshes=[SimpleNamespace(mesh=plain, mesh_name="lid"), SimpleNamespace(mesh=tensors, mesh_name="pot")]
     )
-    assert feeler.from_open3d({"set": model}).part_paths == ["set/lid", "set/pot"]
+    assert feeler.from_open3d({"set": model}).part_paths == ("set/lid", "set/pot")
     with pytest.raises(feeler.MeshError, match="no positions"):
         feeler.from_open3d(SimpleNamespace(vertex={}, triangle={}))
 
@@ -326,7 +326,7 @@ def test_arrays_beside_a_mesh_object_are_refused() -> None:
     [
         (CUBE[:, :2], TRIANGLES, r"a: its vertices have shape \(8, 2\)"),
         (CUBE, QUADS, r"a: its faces have shape \(6, 4\)"),
-        (CUBE, TRIANGLES.astype(float), "whole"),
+        (CUBE, TRIANGLES + 0.5, r"dtype float64: \(n, 3\) whole numbers are needed"),
         (CUBE.astype(complex), TRIANGLES, "real"),
         ([[0, 0, 0], [1]], TRIANGLES, "cannot be read"),
     ],
@@ -357,7 +357,12 @@ def test_what_holds_itself_ends() -> None:
         feeler.Mockup(blocks)
 
 
+def test_faces_of_whole_floats_are_faces() -> None:
+    mesh = SimpleNamespace(vertices=CUBE, faces=TRIANGLES.astype(float))
+    assert feeler.Mockup(mesh).triangle_count == len(TRIANGLES)
+
+
 def test_names_that_are_odd() -> None:
     mesh = trimesh.Trimesh(CUBE, TRIANGLES)
     mockup = feeler.Mockup({"a\x1b[31m": mesh, "": mesh, "x" * 500: mesh})
-    assert mockup.part_paths == ["a[31m", "part", "x" * 200]
+    assert mockup.part_paths == ("a[31m", "part", "x" * 200)

@@ -90,7 +90,7 @@ def test_joints_keep_their_limits_and_names_and_mimics_are_couplings(testdata: P
     # It is modelled with all joints at 0, also where 0 is beyond a limit.
     assert moved.mockup.parts[3].path == "slide/wedge" and moved.mockup.parts[3].lower[0] == 0.0
     visual = Mechanism.from_urdf(testdata / "urdf" / "arm.urdf", geometry="visual", package_dirs=[testdata / "urdf"])
-    assert visual.mockup.part_paths == ["base/box", "arm", "slide/shell", "finger"]
+    assert visual.mockup.part_paths == ("base/box", "arm", "slide/shell", "finger")
 
 
 def test_links_that_are_fixed_to_each_other_are_one(tmp_path: Path) -> None:
@@ -113,7 +113,7 @@ def test_links_without_geometry_move_what_hangs_on_them(tmp_path: Path) -> None:
     body += [joint("fix", "fixed", "a", "w", at="0 0.4 0"), joint("j", "revolute", "a", "b", '<axis xyz="0 0 1"/>')]
     body += [joint("k", "revolute", "b", "c", at="0.4 0 0"), joint("t", "revolute", "c", "tip", at="1 0 0")]
     moved = Mechanism.from_urdf(robot(tmp_path, *body))
-    assert moved.mockup.part_paths == ["b", "c/box", "w/box", "tip"]
+    assert moved.mockup.part_paths == ("b", "c/box", "w/box", "tip")
     assert moved.mockup.parts[0].triangles == 0
     found = moved.range("j")
     # The box turns about the origin with its middle at 0.4: its corner (0.35, 0.05) first meets the side at y 0.35.
@@ -133,7 +133,7 @@ def test_a_robot_stands_in_a_mockup(tmp_path: Path) -> None:
     base[:3, 3] = 0.5, 0.0, 0.0
     file = robot(tmp_path, link("a"), link("b"), joint("j", "prismatic", "a", "b", '<axis xyz="1 0 0"/>', "0 0 0.2"))
     moved = Mechanism.from_urdf(file, around=wall, world_from_base=base)
-    assert moved.mockup.part_paths == ["a/box", "b/box", "wall"]
+    assert moved.mockup.part_paths == ("a/box", "b/box", "wall")
     found = moved.range("j")
     assert found.upper == pytest.approx(0.35, abs=1e-7) and found.upper <= 0.35 + 1e-12
     assert found.above is not None and found.above.other_path == "wall"

@@ -230,7 +230,7 @@ def test_parts() -> None:
     assert parts[-1].name == "cover"
     assert parts[1].triangles == 0
     assert np.isnan(parts[1].lower).all() and np.isnan(parts[1].upper).all()
-    assert [p.name for p in parts] == [p.name for p in parts[:]] == mockup.part_names
+    assert [p.name for p in parts] == [p.name for p in parts[:]] == list(mockup.part_names)
     assert [p.index for p in parts[::2]] == [0, 2]
     assert [p.name for p in parts.find("car/lid")] == ["cover"]
     assert [p.name for p in parts.find("car")] == ["frame", "spare", "cover"]
@@ -243,12 +243,12 @@ def test_parts() -> None:
 
 
 def test_parts_have_names_and_paths_when_none_are_given() -> None:
-    assert feeler.Mockup(CORNERS, FACES).part_names == ["part"]
-    assert feeler.Mockup(CORNERS, FACES, [0, 1, 1, 2]).part_names == ["part_0", "part_1", "part_2"]
-    assert feeler.Mockup(CORNERS, FACES, part_paths=["a/b"]).part_names == ["a/b"]
-    assert feeler.Mockup(CORNERS, FACES, None, ["x"]).part_paths == ["x"]
-    assert feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], (n for n in ("x", "y"))).part_names == ["x", "y"]
-    assert feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], ("same", "same")).part_names == ["same", "same"]
+    assert feeler.Mockup(CORNERS, FACES).part_names == ("part",)
+    assert feeler.Mockup(CORNERS, FACES, [0, 1, 1, 2]).part_names == ("part_0", "part_1", "part_2")
+    assert feeler.Mockup(CORNERS, FACES, part_paths=["a/b"]).part_names == ("a/b",)
+    assert feeler.Mockup(CORNERS, FACES, None, ["x"]).part_paths == ("x",)
+    assert feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], (n for n in ("x", "y"))).part_names == ("x", "y")
+    assert feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], ("same", "same")).part_names == ("same", "same")
 
 
 def test_part_of_face_of_any_dtype() -> None:
@@ -256,6 +256,39 @@ def test_part_of_face_of_any_dtype() -> None:
         mockup = feeler.Mockup(CORNERS, FACES, np.array([0, 1, 1, 0], dtype=dtype), ["a", "b"])
         assert mockup.part_of_face.tolist() == [0, 1, 1, 0]
         assert mockup.part_of_face.dtype == np.uint32
+
+
+def test_names_of_parts_cannot_be_changed_or_lose_their_order() -> None:
+    mockup, tool = feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], ["b", "a"]), feeler.Tool(CORNERS, FACES, "w")
+    for names in (mockup.part_names, mockup.part_paths, tool.part_names, tool.part_paths):
+        assert not hasattr(names, "sort") and not hasattr(names, "append")
+    for name in ("part_names", "part_paths"):
+        with pytest.raises(feeler.MeshError, match=f"{name} is a set, which has no order: give a list"):
+            feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], **{name: {"a", "b"}})  # type: ignore[arg-type]
+
+
+class _Refusing:
+    """As a tensor of another device, or one that is being learned."""
+
+    def __init__(self, error: type[Exception]) -> None:
+        self.error = error
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> npt.NDArray[Any]:
+        raise self.error("no array")
+
+
+@pytest.mark.parametrize("error", [RuntimeError, TypeError, ValueError])
+def test_what_refuses_to_be_an_array_is_an_error_of_ours(error: type[Exception]) -> None:
+    wrong: Any = _Refusing(error)
+    scene, tool = feeler.Scene(feeler.Mockup(CORNERS, FACES)), feeler.Tool(CORNERS, FACES, "w")
+    with pytest.raises(feeler.MeshError, match="vertices cannot be read as an array"):
+        feeler.Mockup(wrong, FACES)
+    with pytest.raises(feeler.PoseError):
+        scene.collide(tool, wrong)
+    with pytest.raises(feeler.PoseError):
+        scene.collide(tool, (wrong, np.zeros(3)))
+    with pytest.raises(feeler.OptionError):
+        scene.rays(wrong, [[0.0, 0.0, 1.0]])
 
 
 def test_subclassing() -> None:

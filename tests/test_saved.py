@@ -205,24 +205,6 @@ def test_a_document_that_cannot_be_right_is_refused(engine: feeler.Scene, tmp_pa
             feeler.open_scene(path)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("part_names", ["a", "b"]),
-        ("part_paths", ["a", "b", 3]),
-    ],
-)
-def test_what_was_set_wrong_replaces_no_file(name: str, value: Any, tmp_path: Path) -> None:
-    mockup = feeler.Mockup(np.eye(3), [[0, 1, 2]] * 3, [0, 1, 2])
-    path = tmp_path / "s.feeler"
-    feeler.Scene(mockup).save(path)
-    before = path.read_bytes()
-    getattr(mockup, name)[:] = value
-    with pytest.raises(feeler.MeshError, match=f"{name} was set to .* 3"):
-        feeler.Scene(mockup).save(path)
-    assert path.read_bytes() == before
-
-
 def test_colours_of_earlier_versions_are_made_to_fit(tmp_path: Path) -> None:
     mockup = feeler.Mockup(np.eye(3), [[0, 1, 2]] * 3, [0, 1, 2])
     vars(mockup)["part_colours"] = np.array([[255.0, 0.5, -1.0], [np.inf, 0.0, 0.0], [0.5, np.nan, 0.5]])

@@ -507,7 +507,7 @@ def test_results_are_read_only_and_outlive_everything(tool: feeler.Tool, poses: 
 def test_a_scene_keeps_its_mock_up_alive(tool: feeler.Tool) -> None:
     scene = feeler.Scene(feeler.Mockup(*ball(10, 0.5), part_names=["only"]))
     gc.collect()
-    assert scene.mockup.part_names == ["only"]
+    assert scene.mockup.part_names == ("only",)
     assert scene.is_colliding(tool, touching_pose())
 
 

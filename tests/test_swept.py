@@ -92,7 +92,7 @@ def test_a_bar_on_its_way(name: str) -> None:
     assert_closed(mesh)
     assert_around(mesh, BAR, poses)
     assert_tight(mesh, BAR, poses, error)
-    assert mesh.part_names == ["bar swept"] and mesh.report.not_queried == 0
+    assert mesh.part_names == ("bar swept",) and mesh.report.not_queried == 0
 
 
 def test_a_hand_and_a_wrench() -> None:

@@ -149,7 +149,7 @@ def test_parts_of_a_mesh_file_stay_parts(tmp_path: Path) -> None:
         tmp_path, link("a", f'<collision name="hull">{mesh}</collision><collision name="hull">{mesh}</collision>')
     )
     mockup = feeler.from_urdf(file)
-    assert mockup.part_paths == ["a/hull/left", "a/hull/right", "a/hull/left#2", "a/hull/right#2"]
+    assert mockup.part_paths == ("a/hull/left", "a/hull/right", "a/hull/left#2", "a/hull/right#2")
     assert mockup.bounds.tolist() == [[0, 0, 0], [2, 2, 2]], "a number in OBJ is a metre, times the scale"
 
 

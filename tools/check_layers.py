@@ -271,7 +271,7 @@ BASE = {
     "words",
 }
 ROOMS: dict[str, set[str]] = {
-    "_core": {"_core_bodies", "_core_motion", "_core_results", "choices", "figures", "poses"},
+    "_core": {"_core_bodies", "_core_motion", "_core_results", "choices", "figures", "parts", "poses"},
     "_core_bodies": {"choices", "poses"},  # a share of the stub
     "_core_motion": set(),  # another
     "_core_results": {"_core_motion", "choices", "figures", "rows"},  # another

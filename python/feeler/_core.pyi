@@ -1,6 +1,6 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check their arguments first."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, final, overload
 
 import numpy as np
@@ -45,10 +45,10 @@ from feeler._core_results import (
     TraceAnswer,
 )
 from feeler.choices import DefectKind, Estimator, PenetrationKind, Simd, Storage, Touching
+from feeler.parts import PartsLike
 from feeler.poses import PoseLike, PosesLike
 
 _Progress = Callable[[float, str], object]
-_Ignore = Any  # feeler.ignored.Ignore, which needs this module
 
 __all__ = [
     "Batch",
@@ -189,6 +189,9 @@ class Tool:
 class IgnoredPairs:
     def __new__(cls, tool_parts: int, parts: int, pairs: npt.NDArray[np.uint32]) -> Self: ...
 
+_Pairs = IgnoredPairs | Iterable[tuple[PartsLike, PartsLike]] | None
+_Ignore = Any  # of methods that feeler.Scene overrides: its IgnoredPairs is a class of its own
+
 @final
 class MovedMockup:
     """The core of a mock-up that another one's parts were moved for: an argument for `Mockup`."""
@@ -254,7 +257,7 @@ class Scene:
         *,
         repeat_filter: bool = True,
         box_filter: bool = True,
-        ignore: _Ignore = None,
+        ignore: _Pairs = None,
     ) -> Collision:
         """Every colliding pair of triangles, with the tool at a pose `(4, 4)`; exact.
 
@@ -262,7 +265,7 @@ class Scene:
         its effect. Raises `PoseError` for a pose that is not rigid.
         """
     def is_colliding(
-        self, tool: Tool, world_from_tool: PoseLike, *, touching: Touching = "counts", ignore: _Ignore = None
+        self, tool: Tool, world_from_tool: PoseLike, *, touching: Touching = "counts", ignore: _Pairs = None
     ) -> bool:
         """Whether any two triangles collide, with the tool at a pose `(4, 4)`; stops at the first pair.
 
@@ -271,10 +274,10 @@ class Scene:
         both meshes, which is computed once. An open sheet has no inside: a tool that touches it from both sides goes
         through it. Pairs that share only corners of both triangles count as touching.
         """
-    def is_free(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None) -> bool:
+    def is_free(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Pairs = None) -> bool:
         """Whether the tool at a pose `(4, 4)` neither collides nor contains anything, nor is contained
         (`containment`)."""
-    def containment(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Ignore = None) -> Containment:
+    def containment(self, tool: Tool, world_from_tool: PoseLike, *, ignore: _Pairs = None) -> Containment:
         """Which closed parts contain the tool, and which parts the tool contains, at a pose `(4, 4)`.
 
         Exact, by winding numbers, for each connected surface separately. One solid of a part may contain the tool; the

@@ -17,6 +17,8 @@ from feeler.errors import FeelerError, OptionError
 from feeler.progress import Progress
 
 MOST_THREADS = 1024
+UNREADABLE = (TypeError, ValueError, OverflowError, RuntimeError)
+"""What NumPy raises for what is no array, and other libraries for tensors that cannot be one."""
 _MOST_SHOWN = 80
 _MOST_NAMED = 60
 
@@ -160,7 +162,7 @@ def check_array(what: str, value: object, shape: tuple[int | None, ...], *, is_f
     try:
         array = np.asarray(value)
         given = array.astype(np.float64, copy=False) if array.dtype.kind in "fiu" else None
-    except (TypeError, ValueError, OverflowError):
+    except UNREADABLE:
         given = None
     if given is None:
         raise OptionError(f"{what} is {shown(value)}: give real numbers, {wanted}")
@@ -189,7 +191,7 @@ def check_ids(what: str, value: object, count: int) -> npt.NDArray[np.int64]:
     unmasked(what, value)
     try:
         array = np.asarray(value)
-    except (TypeError, ValueError, OverflowError):
+    except UNREADABLE:
         array = np.empty((0, 0))
     if array.shape == (0,):
         return np.empty(0, dtype=np.int64)

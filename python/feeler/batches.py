@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.arguments import UNREADABLE
 from feeler.errors import LimitError
 from feeler.poses import PosesLike, plain
 from feeler.progress import Progress
@@ -40,7 +41,7 @@ def on_executor(
     check_executor(executor)
     try:
         given = np.asarray(plain(poses), dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
+    except UNREADABLE:
         return here()  # says what is wrong
     if given.ndim != 3 or given.shape[1:] != (4, 4) or len(given) <= CHUNK or not _are_surely_rigid(given):
         return here()

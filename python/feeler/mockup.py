@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from feeler import _core, saved
 from feeler import attributes as attributes_of
 from feeler._core import Packed
-from feeler.arguments import check_kind, check_list, check_text, check_whole, shown, unmasked
+from feeler.arguments import UNREADABLE, check_kind, check_list, check_text, check_whole, shown, unmasked
 from feeler.attributes import Attributes
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
@@ -157,19 +157,28 @@ class _Attributed:
     """The file that it is in, where it was opened from one."""
 
     @property
-    def part_names(self) -> list[str]:
+    def part_names(self) -> tuple[str, ...]:
         """The name of each part. Given when it is made: others are of another mesh."""
-        names: list[str] = self.__dict__["part_names"]
+        names: tuple[str, ...] = self.__dict__["part_names"]
         return names
 
     @property
-    def part_paths(self) -> list[str]:
+    def part_paths(self) -> tuple[str, ...]:
         """Of each part its place in the assembly, such as `engine/pump/bolt`. Given when it is made, too."""
-        paths: list[str] = self.__dict__["part_paths"]
+        paths: tuple[str, ...] = self.__dict__["part_paths"]
         return paths
 
-    def _name_parts(self, names: list[str], paths: list[str]) -> None:
-        self.__dict__.update(part_names=names, part_paths=paths)
+    def _name_parts(self, names: Iterable[str], paths: Iterable[str]) -> None:
+        self.__dict__.update(part_names=tuple(names), part_paths=tuple(paths))
+
+    @property
+    def part_bounds(self) -> npt.NDArray[np.float64]:
+        """`(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty. Read-only,
+        the same array at every call: `reshape(-1, 2, 3)` has a box a row."""
+        known: npt.NDArray[np.float64] | None = self.__dict__.get("_boxes")
+        if known is None:
+            known = self.__dict__["_boxes"] = super().part_bounds  # type: ignore[misc]
+        return known
 
     @property
     def part_colours(self) -> npt.NDArray[np.float64] | None:
@@ -327,7 +336,9 @@ class Mockup(_Attributed, _core.Mockup):
     def __reduce__(self) -> tuple[Any, ...]:
         """Its arrays, or the path and hash of the saved scene that they are in, and all attributes."""
         attributes = {
-            name: value for name, value in self.__dict__.items() if name not in ("_saved", "_modelled", "_moves")
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in ("_saved", "_modelled", "_moves", "_boxes")
         }
         file = self._saved
         if file is not None and file.is_there:
@@ -497,7 +508,7 @@ class Tool(_Attributed, _core.Tool):
         """Its arrays and all attributes, as for other Python objects."""
         parts = self.part_of_face if self.part_count > 1 else None
         state = (type(self), self.vertices, self.faces, parts, self.part_count)
-        return (*reduced("Tool", state), dict(self.__dict__))
+        return (*reduced("Tool", state), {name: value for name, value in self.__dict__.items() if name != "_boxes"})
 
     @classmethod
     def _restore(cls, *state: Any) -> Tool:
@@ -619,7 +630,7 @@ def _colours_of_parts(given: npt.ArrayLike, parts: int) -> npt.NDArray[np.float6
     try:
         array = np.asarray(given)
         is_numbers = array.dtype.kind in "fiu"
-    except (TypeError, ValueError):
+    except UNREADABLE:
         is_numbers = False
     if not is_numbers:
         raise MeshError(f"part_colours is {shown(given)}: {give}")
@@ -665,13 +676,15 @@ def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
     unmasked(what, values, MeshError)
     try:
         return np.asarray(values)
-    except (ValueError, TypeError) as error:
+    except UNREADABLE as error:
         raise MeshError(f"{what} cannot be read as an array: {error}") from error
 
 
 def _names(what: str, names: Sequence[str] | None) -> list[str] | None:
     if names is None:
         return None
+    if isinstance(names, (set, frozenset)):
+        raise MeshError(f"{what} is a set, which has no order: give a list of strings, by part")
     found = check_list(what, names, "a sequence of strings", MeshError)
     for i, name in enumerate(found):
         if not isinstance(name, str):

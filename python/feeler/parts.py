@@ -36,7 +36,7 @@ class Part:
     """Into `mockup.parts`."""
     name: str
     path: str
-    """Its names from the root on, joined by "/": unique."""
+    """Its names from the root on, joined by "/". Loaders give each part its own; `Mockup` takes what it is given."""
     triangles: int
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
@@ -52,8 +52,8 @@ class Parts(Sequence[Part]):
 
     def __init__(
         self,
-        names: list[str],
-        paths: list[str],
+        names: Sequence[str],
+        paths: Sequence[str],
         triangles: npt.NDArray[np.uint32],
         bounds: npt.NDArray[np.float64],
         attributes: Attributes | None = None,

@@ -9,7 +9,7 @@ from typing import Any, Protocol, cast, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_number, shown, unmasked
+from feeler.arguments import UNREADABLE, check_number, shown, unmasked
 from feeler.errors import PoseError
 
 Floats = npt.NDArray[np.float64]
@@ -61,7 +61,7 @@ def plain(pose: object) -> object:
             return _read(pose, "a pose", _ONE)
         try:
             turn, shift = (np.asarray(plain(each)) for each in pose)
-        except (ValueError, TypeError):
+        except UNREADABLE:
             raise PoseError(f"a pose is {shown(pose)}: give {_ONE}") from None
         if isinstance(pose, list) and turn.shape == shift.shape:
             return pose  # rows of numbers
@@ -124,7 +124,7 @@ def _read(values: object, name: str, give: str) -> npt.NDArray[Any]:
     refuse_masked(name, values)
     try:
         return np.asarray(values)
-    except (ValueError, TypeError) as error:
+    except UNREADABLE as error:
         shapes = _shapes(values[:4]) if isinstance(values, (list, tuple)) else []
         found = f"entries of shapes {', '.join(map(str, shapes))}" if shapes else shown(values)
         more = ", ..." if shapes and len(values) > 4 else ""  # type: ignore[arg-type]
@@ -135,7 +135,7 @@ def _shapes(values: Sequence[object]) -> list[tuple[int, ...]]:
     """Those of the entries; none for those that NumPy cannot read."""
     try:
         return [np.shape(cast("npt.ArrayLike", plain(each))) for each in values]
-    except (PoseError, ValueError, TypeError):
+    except (PoseError, *UNREADABLE):
         return []
 
 

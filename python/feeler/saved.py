@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core, attributes
-from feeler.arguments import check_path, shown
+from feeler.arguments import check_path
 from feeler.attributes import Attributes
-from feeler.errors import FeelerError, LoadError, MeshError, MissingFileError
+from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.memory import free_memory
 from feeler.source import Source
 
@@ -120,21 +120,14 @@ def opened_again(path: str, content_hash: str) -> SavedFile:
 class Facts(NamedTuple):
     """What a file says of its mock-up."""
 
-    part_names: list[str]
-    part_paths: list[str]
+    part_names: tuple[str, ...]
+    part_paths: tuple[str, ...]
     source: Source
     colours: npt.NDArray[np.float64] | None
 
 
-def extras(facts: Facts, stated: Attributes | None, parts: int) -> list[tuple[str, bytes]]:
-    """The sections of the file that keep these facts, and the attributes of its parts.
-
-    The lists of names can be changed by users. Raises `MeshError` if there is not one text for each part.
-    """
-    texts: tuple[tuple[str, object], ...] = (("part_names", facts.part_names), ("part_paths", facts.part_paths))
-    for name, listed in texts:
-        if not isinstance(listed, list) or len(listed) != parts or not all(isinstance(each, str) for each in listed):
-            raise MeshError(f"{name} was set to {shown(listed)}: give a list with a text for each of {parts} parts")
+def extras(facts: Facts, stated: Attributes | None) -> list[tuple[str, bytes]]:
+    """The sections of the file that keep these facts, and the attributes of its parts."""
     paths = None if facts.part_paths == facts.part_names else facts.part_paths
     document = {"part_names": facts.part_names, "part_paths": paths, "source": asdict(facts.source)}
     sections = [(_DOCUMENT, json.dumps(document).encode("ascii"))]
@@ -152,7 +145,7 @@ def _facts(file: SavedFile) -> Facts:
         for listed in (names, paths):
             if listed is not None and not all(isinstance(each, str) for each in listed):
                 raise ValueError("names of parts")
-        paths = list(names) if paths is None else paths
+        paths = names if paths is None else paths
         if not len(names) == len(paths) == file.core.part_count:
             raise ValueError("number of parts")
         fields: dict[str, Any] = {
@@ -165,6 +158,6 @@ def _facts(file: SavedFile) -> Facts:
         if rows is not None:  # earlier versions kept any numbers
             rows[~np.isfinite(rows).all(axis=1)] = np.nan
             rows = np.clip(rows, 0.0, 1.0)
-        return Facts(names, paths, Source(**fields), rows)
+        return Facts(tuple(names), tuple(paths), Source(**fields), rows)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LoadError(f"{file.path}: the scene cannot be opened: its {_DOCUMENT} is damaged ({error})") from None

@@ -34,6 +34,7 @@ from feeler._core import (
     Slide,
 )
 from feeler.arguments import (
+    UNREADABLE,
     check_flag,
     check_number,
     check_progress,
@@ -261,7 +262,7 @@ class Scene(_core.Scene):
         target = str(check_target(path, saved.SUFFIX))
         if os.path.islink(target):  # the file that it names is written, and the link stays
             target = str(check_target(os.path.realpath(target)))
-        return super()._save(target, saved.extras(facts, mockup._part_attributes, mockup.part_count) + others, progress)
+        return super()._save(target, saved.extras(facts, mockup._part_attributes) + others, progress)
 
     @contextmanager
     def _in_a_file(self) -> Iterator[Scene]:
@@ -775,7 +776,7 @@ def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.floa
     unmasked(what, values)
     try:
         array = np.asarray(values)
-    except (TypeError, ValueError, OverflowError) as error:
+    except UNREADABLE as error:
         raise OptionError(f"{what} cannot be read as an array: {error}") from error
     if array.shape == (0,):
         array = np.empty((0, columns))

@@ -13,6 +13,8 @@ feeler.AcessInterrupted  # wrong
 scene.colide(tool, np.eye(4))  # wrong
 scene.collide(tool)  # wrong
 scene.collide(tool, np.eye(4), ignored=None)  # wrong
+scene.collide(tool, np.eye(4), ignore=3)  # wrong
+scene.is_free(tool, np.eye(4), ignore="x")  # wrong
 scene.cast(tool, np.eye(4), np.eye(4), touching="freely")  # wrong
 scene.cast(tool, np.eye(4), np.eye(4)).fraction  # wrong
 found = feeler.removal(scene, "*pump*", second=3)  # wrong

@@ -4,7 +4,7 @@ use feeler_core as core;
 use numpy::ndarray::{ArrayView2, Ix2, Ix3};
 use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::call::PyCallArgs;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList, PyTuple};
 
@@ -215,7 +215,8 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
     let py = object.py();
     let are = if D::NDIM == Some(2) { "a pose is" } else { "poses are" };
     let unreadable = |error: PyErr| {
-        if error.is_instance_of::<PyValueError>(py) || error.is_instance_of::<PyTypeError>(py) {
+        let is_of_numpy = error.is_instance_of::<PyValueError>(py) || error.is_instance_of::<PyTypeError>(py);
+        if is_of_numpy || error.is_instance_of::<PyRuntimeError>(py) {
             let message = format!("{are} not numbers {shape}: {}", error.value(py));
             let raised = raise("PoseError", message);
             raised.set_cause(py, Some(error));

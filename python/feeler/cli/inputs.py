@@ -237,8 +237,12 @@ def warn_of_far_poses(world: feeler.Mockup, probe: feeler.Tool, poses: Poses) ->
 def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None) -> None:
     """Checks that exactly one moving body is given."""
     if (tool is None) == (not part):
-        not_both = ", not both" if part else ""
-        raise OptionError(f"nothing moves: give --tool FILE, or --part PATTERN for parts of the mock-up{not_both}")
+        said = (
+            "--tool and --part are both given: one of them moves; leave the other out"
+            if part
+            else ("nothing moves: give --tool FILE, or --part PATTERN for parts of the mock-up")
+        )
+        raise OptionError(said)
     if tool is None and tool_unit is not None:
         raise OptionError("--tool-unit is for --tool FILE: parts of the mock-up are in its unit, --unit")
 

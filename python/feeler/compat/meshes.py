@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import shown
+from feeler.arguments import UNREADABLE, shown
 from feeler.errors import FeelerError, MeshError, PoseError
 from feeler.mockup import mesh_indices, mesh_points
 
@@ -85,7 +85,7 @@ def affine(matrix: npt.ArrayLike | None) -> Floats:
         if read.dtype.kind not in "fiub":
             raise PoseError(f"a transform has dtype {read.dtype}: real numbers are needed")
         given = read.astype(np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
+    except UNREADABLE as error:
         raise PoseError(f"a transform cannot be read as a matrix: {error}") from error
     if given.shape != (4, 4):
         raise PoseError(f"a transform has shape {given.shape}: (4, 4) is needed")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler.arguments import UNREADABLE
 from feeler.errors import MeshError
 from feeler.io.raw import OUT_OF_RANGE, PathBook, clean_name
 from feeler.io.units import Unit, parse_unit
@@ -165,20 +166,25 @@ class Assembly:
     def _array(where: str, what: str, values: npt.ArrayLike, kinds: str) -> npt.NDArray[Any]:
         try:
             array = np.asarray(values)
-        except (ValueError, TypeError) as error:
+        except UNREADABLE as error:
             raise MeshError(f"{where}: its {what} cannot be read as an array: {error}") from error
         if array.size == 0:
             return np.empty((0, 3), dtype=np.float64 if "f" in kinds else np.int64)
+        if "f" not in kinds and array.dtype.kind == "f" and (array == np.rint(array)).all():
+            array = np.where(np.abs(array) < OUT_OF_RANGE, array, OUT_OF_RANGE).astype(np.int64)
         if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in kinds:
             numbers = "real" if "f" in kinds else "whole"
-            raise MeshError(f"{where}: its {what} have shape {array.shape} and dtype {array.dtype}: (n, 3) {numbers}")
+            raise MeshError(
+                f"{where}: its {what} have shape {array.shape} and dtype {array.dtype}: (n, 3) {numbers} "
+                "numbers are needed"
+            )
         return array
 
 
 def _affine(where: str, matrix: npt.ArrayLike) -> Floats:
     try:
         placed = np.asarray(matrix, dtype=np.float64)
-    except (ValueError, TypeError) as error:
+    except UNREADABLE as error:
         raise MeshError(f"{where}: its placement cannot be read as a matrix: {error}") from error
     if placed.shape != (4, 4) or not np.isfinite(placed).all() or not np.allclose(placed[3], [0, 0, 0, 1], atol=1e-9):
         raise MeshError(f"{where}: its placement is not a finite (4, 4) matrix with a last row of 0, 0, 0, 1")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from feeler import _core
+from feeler.arguments import UNREADABLE
 from feeler.choices import UnitName
 from feeler.errors import MeshError
 from feeler.interchange import open3d, pyvista, trimesh
@@ -139,7 +140,7 @@ def _is_pair(held: Any) -> bool:
         return False
     try:
         vertices, faces = (np.asarray(each) for each in held)
-    except (TypeError, ValueError):
+    except UNREADABLE:
         return False
     rows = vertices.ndim == faces.ndim == 2 and vertices.shape[1] == faces.shape[1] == 3
     return bool(rows and vertices.dtype.kind in "fiu" and faces.dtype.kind in "iu")

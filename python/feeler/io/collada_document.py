@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import warnings
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote
@@ -187,6 +188,8 @@ class Document:
             parser.Parse(data, True)
         except expat.ExpatError as error:
             raise self.fail(f"the XML is damaged ({error})") from error
+        except (ValueError, LookupError) as error:  # of an encoding that expat does not read
+            raise LoadError(f"{self.path}: the encoding of its text is not read ({error}); save it as UTF-8") from error
         return roots[0]
 
 
@@ -217,7 +220,7 @@ def _unzipped(path: Path) -> bytes:
             if not wanted:
                 raise LoadError(f"{path}: the archive holds no .dae file; export it again")
             return _member(path, archive, wanted[0])
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, EOFError, NotImplementedError, RuntimeError) as error:
+    except (zipfile.BadZipFile, zlib.error, zipfile.LargeZipFile, EOFError, NotImplementedError, RuntimeError) as error:
         raise LoadError(f"{path}: the archive is damaged, truncated or encrypted ({error}); export it again") from error
 
 

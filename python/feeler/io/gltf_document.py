@@ -174,7 +174,7 @@ class Document:
             at += 8 + size
         if text is None:
             raise self.fail("there is no JSON chunk")
-        return text
+        return text.rstrip(b"\0")  # some exporters fill up with these instead of blanks
 
     def _check_extensions(self) -> frozenset[str]:
         """Return the extensions that the file requires; refuse those that feeler does not read."""

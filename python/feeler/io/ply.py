@@ -120,10 +120,10 @@ def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int, int
     """Return (byte order, "" for text; elements; offset and line of the body)."""
     first = _FIRST_LINE.match(data)
     found = _HEADER_END.search(data, 0, _MAX_HEADER) if first else None
-    if not first or not found:
-        raise LoadError(
-            f"{path}: the PLY header has no 'end_header': the file is truncated or no PLY file; export it again"
-        )
+    if not first:
+        raise LoadError(f"{path}: does not begin with a line 'ply', as PLY files do; export it again")
+    if not found:
+        raise LoadError(f"{path}: the PLY header has no 'end_header': the file is truncated; export it again")
     stop = found.end()
     if first[1] == b"\r" and found[1] == b"\r\n":
         stop -= 1  # lines end as on the old Mac: the other byte is the first of the body

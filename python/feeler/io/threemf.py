@@ -12,6 +12,7 @@ error lists them.
 from __future__ import annotations
 
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -42,7 +43,7 @@ def read_3mf(path: Path, progress: Progress | None = None) -> RawMesh:
             root = model.package.root_model()
             read_models(model, root, progress)
             apply_settings(model, root)
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, EOFError, NotImplementedError, RuntimeError) as error:
+    except (zipfile.BadZipFile, zlib.error, zipfile.LargeZipFile, EOFError, NotImplementedError, RuntimeError) as error:
         raise LoadError(
             f"{path}: the archive is damaged, truncated or encrypted ({error}); export the file again"
         ) from error

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_number, check_progress, check_threads, check_whole, shown
+from feeler.arguments import UNREADABLE, check_kind, check_number, check_progress, check_threads, check_whole, shown
 from feeler.choices import GripAxis
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
@@ -209,7 +209,7 @@ def _chosen(
 def _turns(turns: float | npt.ArrayLike, count: int) -> list[float]:
     try:
         numbers = np.asarray(turns, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
+    except UNREADABLE:
         numbers = np.array(np.nan)
     if numbers.shape not in ((), (count,)) or not ((numbers > 0.0) & (numbers <= MOST_TURNS)).all():
         raise OptionError(
@@ -250,7 +250,7 @@ def _targets(scene: Scene, targets: Fasteners | PoseLike | PosesLike) -> tuple[F
 def _lifted(frames: Floats, lift: float | npt.ArrayLike) -> Floats:
     try:
         heights = np.asarray(lift, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
+    except UNREADABLE:
         heights = np.array(np.nan)
     if heights.shape not in ((), (len(frames),)) or not (np.abs(heights) <= FARTHEST_M).all():
         raise OptionError(

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler._core import Screw
-from feeler.arguments import check_length, check_number, check_progress, check_threads, check_whole
+from feeler.arguments import UNREADABLE, check_length, check_number, check_progress, check_threads, check_whole
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.field_docs import documented
 from feeler.mockup import Tool
@@ -88,7 +88,7 @@ class Removal(OldAttributes):
     without allowed parts. Its error is at most 1/20 of its value or 1/64 of the size of the moving parts, whichever is
     more. Infinite if there is no other part, NaN if no path was found or time ran out before it was measured."""
     certificate: Certificate
-    """How much of the way is proven, and how."""
+    """What repeats the answer, and how the way was found."""
     blocked_by: tuple[RemovalBlocker, ...]
     """The parts that stopped an attempt, most frequent first; also if a path was found."""
     held_by: tuple[Part, ...]
@@ -365,7 +365,7 @@ def checked_directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float
         return np.empty((0, 3))
     try:
         rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
-    except (TypeError, ValueError, OverflowError) as error:
+    except UNREADABLE as error:
         raise OptionError(f"directions cannot be read as (k, 3) numbers: {error}") from error
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise OptionError(f"directions have shape {rows.shape}: (k, 3) is needed")

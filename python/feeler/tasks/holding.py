@@ -588,8 +588,8 @@ class _Holding:
         return self._held(nut, held, washers, anchor.part, (), f"its thread is on {self._name(anchor.part)}")
 
     def _shoulder(self, nut: Fastener, part: int) -> float | None:
-        """Where the part that a nut is on is wider than its thread below it: at the head of a hammer bolt, the collar of
-        an eye bolt or a shaft. In the frame of the nut."""
+        """Where the part that a nut is on is wider than its thread below it, in the frame of the nut: at the head of a
+        hammer bolt, at the collar of an eye bolt or a shaft."""
         return shoulder_below(self.scene.only([part]), nut, -_finite(nut.length), float(self.sizes[part].max()))
 
     def _play(self, nut: Fastener, inside: Passed) -> float:
