@@ -312,7 +312,7 @@ ROOMS: dict[str, set[str]] = {
     # Tasks on executors.
     "spreading": {"errors", "stopping"},
     "stopping": set(),
-    "batches": {"_core", "errors", "poses", "progress", "spreading"},
+    "batches": {"_core", "arguments", "errors", "poses", "progress", "spreading"},
     "calibrate": {"_core", "errors"},
     "depths": {"_core", "field_docs", "rows", "words"},
     "scene_pickles": {"errors", "travel"},

@@ -30,16 +30,16 @@ class Collision:
         """`(k,)`: the `PairKind.code` of each pair, one byte each; read-only."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """Colliding triangles of the tool; unique, sorted."""
+        """Colliding triangles of the tool; unique, sorted, read-only."""
     @property
     def mockup_triangles(self) -> npt.NDArray[np.uint32]:
-        """Colliding triangles of the mock-up; unique, sorted."""
+        """Colliding triangles of the mock-up; unique, sorted, read-only."""
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of the colliding parts; unique, sorted."""
+        """Indices into `mockup.parts` of the colliding parts; unique, sorted, read-only."""
     @property
     def tool_parts(self) -> npt.NDArray[np.uint32]:
-        """Indices into `tool.parts` of the colliding parts; unique, sorted."""
+        """Indices into `tool.parts` of the colliding parts; unique, sorted, read-only."""
     @property
     def stats(self) -> CollisionStats:
         """Counters of the query, stage by stage."""

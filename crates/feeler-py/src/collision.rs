@@ -1,7 +1,7 @@
 //! Results of queries.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
@@ -21,6 +21,8 @@ use crate::words::counted;
 pub struct Collision {
     core: core::Collision,
     parts: Parts,
+    /// Triangles and parts of the tool and the mock-up, once they were asked for.
+    columns: [OnceLock<Vec<u32>>; 4],
 }
 
 /// The parts that are met.
@@ -33,7 +35,7 @@ enum Parts {
 
 impl Collision {
     pub fn new(core: core::Collision, mockup: Py<Mockup>, tool: Arc<core::Tool>) -> Collision {
-        Collision { core, parts: Parts::Of(mockup, tool) }
+        Collision { core, parts: Parts::Of(mockup, tool), columns: Default::default() }
     }
 
     /// The counters of the query by name.
@@ -46,16 +48,13 @@ impl Collision {
     }
 
     /// Of the tool (0) or the mock-up (1).
-    fn part_ids(&self, column: usize) -> Vec<u32> {
+    fn part_ids(&self, column: usize) -> &[u32] {
         let (mockup, tool) = match &self.parts {
             Parts::Of(mockup, tool) => (&mockup.get().core, tool),
-            Parts::Found(parts) => return parts[column].clone(),
+            Parts::Found(parts) => return &parts[column],
         };
         let part = |p: &[u32; 2]| if column == 0 { tool.part_of_face(p[0]) } else { mockup.part_of_face(p[1]) };
-        let mut parts: Vec<u32> = self.core.pairs.iter().map(part).collect();
-        parts.sort_unstable();
-        parts.dedup();
-        parts
+        self.columns[2 + column].get_or_init(|| self.distinct(part))
     }
 
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Collision> {
@@ -81,11 +80,18 @@ impl Collision {
                 other => return Err(damaged(format!("no figure is called {other:?}"))),
             } = count;
         }
-        Ok(Collision { core, parts: Parts::Found([list(&tool_parts), list(&parts)]) })
+        let parts = Parts::Found([list(&tool_parts), list(&parts)]);
+        Ok(Collision { core, parts, columns: Default::default() })
     }
 
-    fn column(&self, column: usize) -> Vec<u32> {
-        let mut ids: Vec<u32> = self.core.pairs.iter().map(|p| p[column]).collect();
+    /// Of the tool (0) or the mock-up (1).
+    fn triangles(&self, column: usize) -> &[u32] {
+        self.columns[column].get_or_init(|| self.distinct(|p| p[column]))
+    }
+
+    /// What the pairs have, sorted, each once.
+    fn distinct(&self, of: impl Fn(&[u32; 2]) -> u32) -> Vec<u32> {
+        let mut ids: Vec<u32> = self.core.pairs.iter().map(of).collect();
         ids.sort_unstable();
         ids.dedup();
         ids
@@ -114,28 +120,32 @@ impl Collision {
         unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
 
-    /// Colliding triangles of the tool; unique, sorted.
+    /// Colliding triangles of the tool; unique, sorted, read-only.
     #[getter]
-    fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.column(0).into_pyarray(py)
+    fn tool_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the pairs; what was asked for once is never written again.
+        unsafe { view(slf.as_any(), slf.get().triangles(0)) }
     }
 
-    /// Colliding triangles of the mock-up; unique, sorted.
+    /// Colliding triangles of the mock-up; unique, sorted, read-only.
     #[getter]
-    fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.column(1).into_pyarray(py)
+    fn mockup_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the tool's.
+        unsafe { view(slf.as_any(), slf.get().triangles(1)) }
     }
 
-    /// Indices into `mockup.parts` of the colliding parts; unique, sorted.
+    /// Indices into `mockup.parts` of the colliding parts; unique, sorted, read-only.
     #[getter]
-    fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.part_ids(1).into_pyarray(py)
+    fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the tool's triangles.
+        unsafe { view(slf.as_any(), slf.get().part_ids(1)) }
     }
 
-    /// Indices into `tool.parts` of the colliding parts; unique, sorted.
+    /// Indices into `tool.parts` of the colliding parts; unique, sorted, read-only.
     #[getter]
-    fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.part_ids(0).into_pyarray(py)
+    fn tool_parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the tool's triangles.
+        unsafe { view(slf.as_any(), slf.get().part_ids(0)) }
     }
 
     /// Counters of the query, stage by stage.
@@ -166,7 +176,7 @@ impl Collision {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, this) = (slf.py(), slf.get());
-        let parts = (this.tool_parts(py), this.parts(py));
+        let parts = (Self::tool_parts(slf), Self::parts(slf));
         reduced(py, "Collision", (Self::pairs(slf), Self::kind_codes(slf), parts.0, parts.1, this.counters(py)?))
     }
 }
