@@ -8,6 +8,7 @@ skins are taken at rest; animations are not played.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -55,7 +56,7 @@ def read_gltf(
     nodes: list[int] = []
     stated = _Attributes(document, tally)
     base = 0
-    roundings: list[tuple[float, NDArray[np.float64]]] = []
+    rounding, errors = 0.0, graph.errors.bounds()
     for number, instance in enumerate(graph.instances):
         mesh = meshes.get(instance.shape) or reader.read(instance.shape, instance.name)
         if uses[instance.shape] > 1:
@@ -63,7 +64,7 @@ def read_gltf(
         if not len(mesh.faces):
             continue
         points, triangles = placer.place(instance, mesh)
-        roundings.append((mesh.rounding, instance.world[:3, :3]))
+        rounding = max(rounding, _placed_rounding(mesh, instance, errors))
         vertices.append(points)
         faces.append(shift_indices(triangles, base, len(points)))
         base += len(points)
@@ -91,19 +92,26 @@ def read_gltf(
         colours=np.array(colours).reshape(-1, 3),
         attributes=stated.attributes(),
         nodes=nodes,
-        rounding=_placed_rounding(roundings),
+        rounding=rounding,
     )
 
 
-def _placed_rounding(roundings: list[tuple[float, NDArray[np.float64]]]) -> float:
-    """The largest of the meshes' roundings, each as its matrix (3, 3) scales it."""
-    if not roundings:
-        return 0.0
+def _placed_rounding(mesh: Mesh, instance: Instance, errors: list[tuple[float, float]]) -> float:
+    """The rounding of a part: that of its mesh, as its matrix scales it, and that of the places of its nodes."""
+    share, rest = errors[instance.row] if instance.row >= 0 else (0.0, 0.0)
     with np.errstate(all="ignore"):
-        matrices = np.array([matrix for _, matrix in roundings])
-        scales = np.sqrt(np.square(matrices).sum(axis=1)).max(axis=1)
-        placed = np.array([rounding for rounding, _ in roundings]) * scales
-    return float(placed[np.isfinite(placed)].max(initial=0.0))
+        scale = float(np.sqrt(np.square(instance.world[:3, :3]).sum(axis=0)).max())
+        far = 0.0
+        if share > 0.0:
+            far = float(
+                np.sqrt(
+                    np.square(
+                        np.abs(mesh.vertices[np.isfinite(mesh.vertices).all(axis=1)]).max(axis=0, initial=0.0)
+                    ).sum()
+                )
+            )
+        found = mesh.rounding * scale + share * far + rest
+    return found if math.isfinite(found) else 0.0
 
 
 class _Attributes(Stated):

@@ -12,6 +12,7 @@ from feeler.io.gltf_document import Document
 from feeler.io.limits import MAX_DEPTH, MAX_PARTS, check_mesh
 from feeler.io.placing import IDENTITY, Matrix, multiply
 from feeler.io.raw import PathBook, clean_name
+from feeler.io.rounding import PlacementErrors
 from feeler.io.tally import Tally
 
 _OUTSIDE = "nodes with a mesh are not in the scene and were left out"
@@ -39,6 +40,16 @@ class Instance(NamedTuple):
     world: Matrix
     node: int = -1
     """Its number; -1: the mesh is in no node."""
+    row: int = -1
+    """Of its transform in the errors of placements; -1: it has none."""
+
+
+class _Local(NamedTuple):
+    """The transform of a node, and the quaternion and scale that it is made of, if it is."""
+
+    matrix: Matrix
+    turn: list[float] | None
+    scale: list[float] = [1.0, 1.0, 1.0]  # noqa: RUF012
 
 
 class _Open(NamedTuple):
@@ -49,6 +60,7 @@ class _Open(NamedTuple):
     world: Matrix
     depth: int
     hidden: bool
+    row: int
 
 
 class SceneGraph:
@@ -60,6 +72,7 @@ class SceneGraph:
         self.notes: list[str] = []
         self.instances: list[Instance] = []
         self.worlds: dict[int, Matrix] = {}
+        self.errors = PlacementErrors()
         self._book = PathBook()
         nodes = document.root.get("nodes", [])
         if not isinstance(nodes, list):
@@ -68,17 +81,17 @@ class SceneGraph:
             self._walk(nodes)
             return
         for index in range(len(document.root.get("meshes", []))):
-            self._add_instance({}, index, "", IDENTITY, f"mesh {index}", -1)
+            self._add_instance({}, index, "", IDENTITY, f"mesh {index}", -1, -1)
         if self.instances:
             self.notes.append("the file has meshes and no scene: each mesh was taken once, where it lies")
 
     def _walk(self, nodes: list[Any]) -> None:
         """Visit every node, without recursion. The standard requires trees: one parent per node, and no cycle."""
         document = self.document
-        stack = [_Open(root, "", IDENTITY, 0, False) for root in reversed(self._roots(nodes))]
+        stack = [_Open(root, "", IDENTITY, 0, False, -1) for root in reversed(self._roots(nodes))]
         seen = np.zeros(len(nodes), dtype=bool)
         while stack:
-            index, above, world, depth, hidden = stack.pop()
+            index, above, world, depth, hidden, row = stack.pop()
             node = document.item("nodes", index)
             if seen[index]:
                 raise document.fail(
@@ -87,7 +100,9 @@ class SceneGraph:
             seen[index] = True
             if depth > MAX_DEPTH:
                 raise document.fail(f"the assembly is more than {MAX_DEPTH} levels deep", damaged=False)
-            world = multiply(world, self._local(node, index))
+            local, turn, scale = self._local(node, index)
+            row = row if local is IDENTITY else self.errors.add(row, local, turn, scale)
+            world = multiply(world, local)
             self.worlds[index] = world
             hidden = hidden or _extension(node, "KHR_node_visibility").get("visible") is False
             children = _list(node.get("children"))
@@ -95,10 +110,10 @@ class SceneGraph:
             if "mesh" in node and hidden:
                 self.tally.add(_HIDDEN, self._name(node, node["mesh"], f"node {index}"))
             elif "mesh" in node:
-                path = self._add_instance(node, node["mesh"], above, world, f"node {index}", index)
+                path = self._add_instance(node, node["mesh"], above, world, f"node {index}", index, row)
             elif children and not hidden:
                 path = self._book.claim(above, clean_name(node.get("name"), f"node {index}"))
-            stack.extend(_Open(child, path, world, depth + 1, hidden) for child in reversed(children))
+            stack.extend(_Open(child, path, world, depth + 1, hidden, row) for child in reversed(children))
         for index, node in enumerate(nodes):
             if not seen[index] and isinstance(node, dict) and "mesh" in node:
                 self.tally.add(_OUTSIDE, self._name(node, node["mesh"], f"node {index}"))
@@ -126,7 +141,7 @@ class SceneGraph:
         return clean_name(node.get("name"), "") or clean_name(self.document.item("meshes", mesh).get("name"), default)
 
     def _add_instance(
-        self, node: dict[str, Any], mesh: Any, above: str, world: Matrix, default: str, index: int
+        self, node: dict[str, Any], mesh: Any, above: str, world: Matrix, default: str, index: int, row: int
     ) -> str:
         name = self._name(node, mesh, default)
         path = self._book.claim(above, name)
@@ -139,15 +154,16 @@ class SceneGraph:
             self.document.item("skins", skin)
         shape = Shape(mesh, weights, None if spread else skin)
         if not spread:
-            self.instances.append(Instance(name, path, shape, world, index))
+            self.instances.append(Instance(name, path, shape, world, index, row))
             return path
-        for local in self._spread(spread):
-            self.instances.append(Instance(name, self._book.claim(path, name), shape, multiply(world, local), index))
+        for local, turn, scale in self._spread(spread):
+            own, placed = self.errors.add(row, local, turn, scale), multiply(world, local)
+            self.instances.append(Instance(name, self._book.claim(path, name), shape, placed, index, own))
         if len(self.instances) > MAX_PARTS:
             check_mesh(0, 0, len(self.instances), str(self.document.path))
         return path
 
-    def _spread(self, extension: dict[str, Any]) -> list[Matrix]:
+    def _spread(self, extension: dict[str, Any]) -> list[_Local]:
         """Return the transforms of EXT_mesh_gpu_instancing."""
         attributes = extension.get("attributes")
         if not isinstance(attributes, dict):
@@ -168,9 +184,11 @@ class SceneGraph:
             else:
                 values = np.broadcast_to(np.array(default, dtype=np.float64), (count, width))
             columns.append(values.astype(np.float64).tolist())
-        return [self._compose(t, r, s, "EXT_mesh_gpu_instancing") for t, r, s in zip(*columns, strict=True)]
+        return [
+            _Local(self._compose(t, r, s, "EXT_mesh_gpu_instancing"), r, s) for t, r, s in zip(*columns, strict=True)
+        ]
 
-    def _local(self, node: dict[str, Any], index: int) -> Matrix:
+    def _local(self, node: dict[str, Any], index: int) -> _Local:
         """Return the transform of a node, column-major `matrix` or translation * rotation * scale."""
 
         def numbers(key: str, count: int) -> list[float] | None:
@@ -183,16 +201,15 @@ class SceneGraph:
         whole = None if matrix is None else np.array([matrix[row::4] for row in range(4)])  # column by column
         move, turn, scale = numbers("translation", 3), numbers("rotation", 4), numbers("scale", 3)
         if move is None and turn is None and scale is None:
-            return IDENTITY if whole is None else whole
-        composed = self._compose(
-            move or [0.0, 0.0, 0.0], turn or [0.0, 0.0, 0.0, 1.0], scale or [1.0, 1.0, 1.0], f"nodes[{index}]"
-        )
+            return _Local(IDENTITY if whole is None else whole, None)
+        turn, scale = turn or [0.0, 0.0, 0.0, 1.0], scale or [1.0, 1.0, 1.0]
+        composed = self._compose(move or [0.0, 0.0, 0.0], turn, scale, f"nodes[{index}]")
         if whole is None:
-            return composed
+            return _Local(composed, turn, scale)
         # The standard forbids both. Some programs write both all the same, the second as the first or as no motion.
         if not any(np.allclose(composed, same, rtol=_SAME, atol=_SAME) for same in (IDENTITY, whole)):
             self.tally.add(_TWICE, node.get("name", f"node {index}"), is_doubtful=True)
-        return whole
+        return _Local(whole, None)
 
     def _compose(self, move: list[float], turn: list[float], scale: list[float], where: str) -> Matrix:
         x, y, z, w = turn

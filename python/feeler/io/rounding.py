@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -13,6 +13,9 @@ from feeler.io.raw import RawMesh
 _CHUNK = 1 << 18
 _FEWEST_DIGITS, _MOST_DIGITS = 6, 14
 """Numbers of fewer digits are taken for exact ones, such as 12.5; those of more for double precision."""
+_DIGITS_OF_SINGLE = 9
+"""Programs print numbers of single precision with so many digits, or fewer that suffice."""
+_SAMPLE = 1000
 _NOISE = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""
 
@@ -40,7 +43,79 @@ def of_numbers(vertices: NDArray[np.float64]) -> float:
     if digits < _FEWEST_DIGITS:
         return 0.0
     largest = np.abs(vertices[np.isfinite(vertices)]).max()
+    if digits <= _DIGITS_OF_SINGLE and _is_printed_single(vertices):
+        return single(vertices)
     return float(0.5 * 10.0 ** (np.floor(np.log10(largest)) + 1.0 - digits))
+
+
+def errors_of(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rounding of each of some numbers by itself: none of few digits, that of single precision, also in text, or
+    else half a unit in its last digit."""
+    with np.errstate(all="ignore"):
+        single = np.float32(numbers)
+        size = np.abs(numbers)
+        magnitude = np.floor(np.log10(size)) + 1.0
+        error = np.zeros(numbers.shape)
+        for digits in range(_MOST_DIGITS, _FEWEST_DIGITS - 1, -1):
+            has_digits = _has_digits(digits, numbers)
+            error[has_digits] = (0.5 * 10.0 ** (magnitude - digits))[has_digits]
+        is_few = _has_digits(_FEWEST_DIGITS - 1, numbers)
+        is_single = single == numbers
+        is_printed = _has_digits(_DIGITS_OF_SINGLE, numbers) & ~is_few & ~is_single
+        if _is_printed_single(numbers[is_printed]):
+            is_single |= is_printed
+        error[is_single] = 0.5 * np.spacing(np.abs(single))[is_single]
+        error[is_few | ~np.isfinite(error)] = 0.0
+    return error
+
+
+class PlacementErrors:
+    """How far off nodes place their points, by the digits of their transforms and of those above them."""
+
+    def __init__(self) -> None:
+        self._rows: list[tuple[int, NDArray[np.float64], Sequence[float] | None, Sequence[float]]] = []
+
+    def add(
+        self, above: int, local: NDArray[np.float64], turn: Sequence[float] | None, scale: Sequence[float] = (1.0,) * 3
+    ) -> int:
+        """A node below another one, or -1, with its matrix `(4, 4)`, and the quaternion and scale that this is made of,
+        if it is. Returns its number."""
+        self._rows.append((above, local, turn, scale))
+        return len(self._rows) - 1
+
+    def bounds(self) -> list[tuple[float, float]]:
+        """Of each node the error of a point, in units of its distance from the node's origin, and the rest of it."""
+        if not self._rows:
+            return []
+        with np.errstate(all="ignore"):
+            matrices = np.array([row[1] for row in self._rows])
+            turns = np.array([(0.0, 0.0, 0.0, 1.0) if row[2] is None else row[2] for row in self._rows])
+            scales = np.array([row[3] for row in self._rows])
+            sizes = np.sqrt(np.square(matrices[:, :3, :3]).sum(axis=1)).max(axis=1)
+            of_turn = 2.0 * np.linalg.norm(errors_of(turns), axis=1) / np.linalg.norm(turns, axis=1)
+            of_parts = of_turn * np.abs(scales).max(axis=1) + errors_of(scales).max(axis=1)
+            of_matrix = np.linalg.norm(errors_of(matrices[:, :3, :3]), axis=(1, 2))
+            shares = np.where([row[2] is None for row in self._rows], of_matrix, of_parts).tolist()
+            moves = np.linalg.norm(matrices[:, :3, 3], axis=1).tolist()
+            rests = np.linalg.norm(errors_of(matrices[:, :3, 3]), axis=1).tolist()
+        found: list[tuple[float, float]] = []
+        scaled: list[float] = []
+        for (above, *_), size, share, move, rest in zip(self._rows, sizes.tolist(), shares, moves, rests, strict=True):
+            share_above, rest_above = found[above] if above >= 0 else (0.0, 0.0)
+            scale_above = scaled[above] if above >= 0 else 1.0
+            scaled.append(scale_above * size)
+            found.append(
+                (share_above * size + scale_above * share, share_above * move + rest_above + scale_above * rest)
+            )
+        return found
+
+
+def _is_printed_single(numbers: NDArray[np.float64]) -> bool:
+    """Whether numbers of 7 to 9 digits are those of single precision in text, by some of them."""
+    flat = numbers[np.isfinite(numbers)]
+    some = flat[:: max(1, len(flat) // _SAMPLE)].tolist()
+    with np.errstate(over="ignore"):
+        return all(number in (float(str(np.float32(number))), float(f"{np.float32(number):.9g}")) for number in some)
 
 
 def _has_digits(digits: int, numbers: NDArray[np.float64]) -> NDArray[np.bool_]:

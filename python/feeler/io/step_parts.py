@@ -142,5 +142,6 @@ def _joined(raw: RawMesh, placed: list[tuple[Slot, RawMesh]], path: Path) -> Raw
         notes=raw.notes,
         up=raw.up,
         doubts=raw.doubts,
+        rounding=max(mesh.rounding or 0.0 for mesh in meshes),
         attributes=joined_attributes(meshes),
     )
