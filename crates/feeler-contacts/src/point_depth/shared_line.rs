@@ -20,8 +20,8 @@ pub struct SharedLine {
 }
 
 impl SharedLine {
-    /// Of triangles with these normals. `None` where it is shorter than `least`, metres, or where the two only touch. Corners of one no farther from the plane of the
-    /// other than that are in it.
+    /// Of triangles with these normals. `None` where it is shorter than `least`, metres, or where the two only touch. Corners of one no
+    /// farther from the plane of the other than that are in it.
     pub fn new([t, u]: [&Triangle; 2], normals: [Point; 2], least: f64) -> Option<SharedLine> {
         let direction = unit(&cross(&normals[0], &normals[1]))?;
         let ((p, p_side), (q, q_side)) =
@@ -83,8 +83,8 @@ impl SharedLine {
         (span[0] < span[1]).then_some(span)
     }
 
-    /// The spans where both surfaces go on beyond each other: where an edge lies in the other surface, another triangle has to. `shift`: from
-    /// the frame of the first body to that of the second, which is the frame of the segment.
+    /// The spans where both surfaces go on beyond each other: where an edge lies in the other surface, another triangle has to.
+    /// `shift`: from the frame of the first body to that of the second, which is the frame of the segment.
     pub fn where_through(&self, [first, second]: [&Body; 2], shift: &Point, least: f64) -> Vec<Span> {
         let [(m, first_side), (n, second_side)] = self.sides;
         let all = vec![[0.0, self.size]];

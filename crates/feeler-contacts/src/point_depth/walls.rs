@@ -203,10 +203,9 @@ fn is_within(at: &Point, t: &Triangle, n: &Point, inset: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::brute::{block, body, inside_out, placed};
+    use super::super::brute::{block, body, placed};
     use super::*;
-    use feeler_shapes::random::Random;
-    use feeler_shapes::{ball, cylinder, joined, lathe, ridge, turned, Arrays};
+    use feeler_shapes::{joined, ridge, turned, Arrays};
 
     /// Whether they cross, at a turn, either way round, and cut finely or not.
     fn are_crossing(p: impl Fn(usize) -> Arrays, q: impl Fn(usize) -> Arrays) -> bool {
@@ -240,64 +239,6 @@ mod tests {
             assert!(are_walls_clashing([&a, &b], 1.0) && are_walls_clashing([&b, &a], 1.0), "{cells} {other}");
             assert!(!are_walls_clashing([&a, &c], 1.0) && !are_walls_clashing([&c, &a], 1.0), "{cells} {other}");
         }
-    }
-
-    /// Each triangle in four.
-    fn in_four((vertices, faces): &Arrays) -> Arrays {
-        let mut cut: Arrays = Default::default();
-        for [p, q, r] in faces.iter().map(|face| face.map(|i| vertices[i as usize])) {
-            let middle = |p: &Point, q: &Point| scaled(&add(p, q), 0.5);
-            let (pq, qr, rp) = (middle(&p, &q), middle(&q, &r), middle(&r, &p));
-            for t in [[p, pq, rp], [pq, q, qr], [rp, qr, r], [pq, qr, rp]] {
-                let from = cut.0.len() as u32;
-                cut.0.extend(t);
-                cut.1.push([from, from + 1, from + 2]);
-            }
-        }
-        cut
-    }
-
-    #[test]
-    fn walls_cross_however_their_faces_are_cut() {
-        let mut r = Random::new(11);
-        let (mut count, mut at_edge) = ([0, 0], 0);
-        for n in 0..160 {
-            // A coarse shell, and what stands on it, at a slant: a washer, a plate, or a rod with three to six sides.
-            let (bands, thick) = (3 + r.below(4) as usize, r.real(0.1, 0.4));
-            let shell = joined([ball(1.0, bands), inside_out(ball(1.0 - thick, bands))]);
-            let (wide, half) = (r.real(0.1, 0.4), 0.5 * thick * r.real(0.3, 1.5));
-            let part = match n % 3 {
-                0 => lathe(&[[wide, -half], [wide, half], [0.5 * wide, half], [0.5 * wide, -half]], 12, 0.0),
-                1 => block([-wide, -half, -0.6], [wide, half, 0.6], 1),
-                _ => cylinder(half, 1.2, 3 + r.below(4) as usize, 1),
-            };
-            let mut m = r.motion(0.0);
-            let far = r.real(1.0 - thick, 1.0);
-            let way = unit(&r.point(-1.0, 1.0)).unwrap();
-            let low = (0..3).map(|a| 0.6 * (m[a][0] * way[0]).abs()).sum::<f64>();
-            (0..3).for_each(|a| m[a][3] = (far + low) * way[a]);
-            let part = placed(part, &m);
-            let whole = [&shell, &part].map(|mesh| body(mesh.clone()));
-            let cut = [&shell, &part].map(|mesh| body(in_four(mesh)));
-            let [depth, _] = [[0, 1], [1, 0]].map(|[i, j]| point_depth_from([&whole[i], &whole[j]]).depth);
-            for contact in [1.05 * depth, thick * r.real(0.4, 0.8), thick] {
-                // At the edge of the rule, the errors of depths decide.
-                let [less, more] = [0.998, 1.002].map(|share| {
-                    let of = |[i, j]: [usize; 2]| point_depth_from([&whole[i], &whole[j]]);
-                    let deepest = [[0, 1], [1, 0]].map(of).map(|d| PointDepth { depth: share * d.depth, ..d });
-                    super::are_crossing([&whole[0], &whole[1]], contact, &deepest)
-                });
-                if less != more {
-                    at_edge += 1;
-                    continue;
-                }
-                let said = [[&whole[0], &whole[1]], [&cut[0], &cut[1]], [&cut[0], &whole[1]], [&whole[1], &cut[0]]];
-                let said = said.map(|pair| are_walls_clashing(pair, contact));
-                assert!(said.iter().all(|is_clash| *is_clash == said[0]), "{n}, {contact}: {said:?}");
-                count[usize::from(said[0])] += 1;
-            }
-        }
-        assert!(count.iter().all(|count| *count > 60) && at_edge < 20, "{count:?} {at_edge}");
     }
 
     #[test]
