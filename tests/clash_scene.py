@@ -69,7 +69,8 @@ def table(
         }
     )
     facts = Facts(clearance=0.002, parts=len(paths))
-    return feeler.Clashes(columns.rows(columns.order()), paths, rules, facts=facts, **more)
+    order = columns.order(paths, rules)
+    return feeler.Clashes(columns.rows(order), paths, rules, facts=facts, **more)
 
 
 def open_box(lower: Sequence[float], upper: Sequence[float]) -> Any:

@@ -493,7 +493,7 @@ CONTROLS = "".join(map(chr, [*range(32), 127, 128, 0x85, 0x9F, 0xFFFE, 0xFFFF, 0
 
 def test_control_characters_leave_files_valid(tmp_path: Path) -> None:
     """In names of parts, rules and people, and in notes."""
-    mockup = mockup_of({f"x/a{CONTROLS}z": box((0, 0, 0), (1, 1, 1)), "nul\0": box((0.5, 0, 0), (2, 1, 1))})
+    mockup = mockup_of({f"x/a{CONTROLS}z": box((0, 0, 0), (1, 1, 1)), "y/nul\0": box((0.5, 0, 0), (2, 1, 1))})
     found = feeler.clash(mockup, rules={"rule": [{"name": "r\x01", "a": "x*"}]})
     found.set_status(found.ids[0], "approved", by="ada\x02", note=f"n{CONTROLS[:-1]}")
     write_html(tmp_path / "a.html", found)

@@ -90,6 +90,40 @@ def test_a_file_gives_back_what_was_saved(tmp_path: Path, mockup: feeler.Mockup)
     assert (tmp_path / "again.json").read_bytes() == (tmp_path / "now.json").read_bytes()
 
 
+def test_rows_and_groups_of_equal_rank_are_in_one_order_also_from_a_file(tmp_path: Path) -> None:
+    """Boxes of a lattice, each in its neighbours by the same depth."""
+    cells = [(i, j, k) for i in range(3) for j in range(3) for k in range(2)]
+    rng = np.random.default_rng(7)
+    names = [f"x/{name}" for name in rng.permutation(len(cells))]
+    parts = {name: box(np.array(cell), np.array(cell) + 1.25) for name, cell in zip(names, cells, strict=True)}
+    few = dict(list(parts.items())[:-4])
+    rules = {"rule": [{"name": str(n), "a": f"*{n}", "severity": "minor"} for n in (7, 3)]}
+
+    def told(clashes: feeler.Clashes) -> list[Any]:
+        groups = [(group.name, group.rows.tolist()) for by in ("part", "rule") for group in clashes.groups(by)]
+        return [clashes.ids, groups, clashes.earlier().ids, clashes.earlier().groups() and told(clashes.earlier())]
+
+    def shuffled(mixed: dict[str, Any]) -> feeler.Mockup:
+        order = rng.permutation(len(mixed))
+        return mockup_of(dict(list(mixed.items())[place] for place in order))
+
+    expected: list[Any] = []
+    for _ in range(6):
+        found = feeler.clash(shuffled(parts))
+        found.save(tmp_path / "all.json")
+        ruled = found.with_rules(rules)
+        # Some of the others are not asked for, and some are gone.
+        less = feeler.clash(shuffled(few), rules={"exclude": [{"name": "none", "a": names[2], "b": names[4:9]}]})
+        less.diff(found)
+        for each in (found, ruled, less):
+            each.save(tmp_path / "some.json")
+            expected.append(told(each))
+            assert told(feeler.load_clashes(tmp_path / "some.json")) == expected[-1]
+        assert told(feeler.load_clashes(tmp_path / "all.json").with_rules(rules)) == told(ruled)
+        assert expected[-3:] == expected[:3]
+    assert len(set(found.depths.tolist())) < len(found) / 4
+
+
 def test_git_can_diff_a_file(tmp_path: Path, mockup: feeler.Mockup) -> None:
     """A line a finding, in an order that hangs on names alone."""
     found = feeler.clash(mockup)

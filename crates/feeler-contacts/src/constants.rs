@@ -444,6 +444,13 @@ pub const NEEDLE_REACH: f64 = 3.0;
 /// How many rays look for the faces around a needle. Fewer: faces of needles with many sides are missed.
 pub const NEEDLE_RAYS: u32 = 16;
 
+/// The most that points of a line that are looked at for needles are apart, as a share of the largest thickness allowed. Larger: needles of
+/// which few points show that they are needles are missed.
+pub const NEEDLE_STEP: f64 = 0.125;
+
+/// How many of them there are at most in a row. Fewer: very thin needles are missed in long lines, as where a needle lies on a wall.
+pub const MOST_NEEDLE_POINTS: f64 = 1024.0;
+
 /// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
 pub const WALL_MIDDLE: f64 = 0.98;
 

@@ -121,7 +121,7 @@ def clash(
         progress=_staged(progress, _INDEXED, _FOUND if volume else 1.0),
     )
     seconds = {"index": indexed - started, **answer.seconds}
-    columns, hidden = _columns(answer, found)
+    columns, hidden = _columns(mockup, answer, found)
     is_partial = bool(answer.is_partial)
     notes: list[str] = []
     if volume and not is_partial:
@@ -236,7 +236,7 @@ def _skipped(mockup: Mockup, exclude: Exclude | None) -> tuple[list[Group], npt.
     return list(itertools.compress(groups, wide)), few
 
 
-def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int], ...]]:
+def _columns(mockup: Mockup, answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int], ...]]:
     """The visible findings with their rules, the worst first; and how many findings each rule hides."""
     a, b = np.asarray(answer.a), np.asarray(answer.b)
     rule = found.rule_of(a, b)
@@ -248,7 +248,7 @@ def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int]
     given["severity"] = found.severities[given["rule"]]
     given["volume"] = np.full(len(asked), np.nan)
     columns = Columns(**{name: np.array(given[name], dtype=kind) for name, (kind, _) in SHAPES.items()})
-    return columns.rows(columns.order()), hidden
+    return columns.rows(columns.order(part_keys(mockup.part_paths), found.names)), hidden
 
 
 def _with_volumes(

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_length, check_word
-from feeler.clashes.table import Table
-from feeler.clashes.tracking import part_keys
+from feeler.clashes.table import Table, places
 from feeler.errors import OptionError
 
 Ints = npt.NDArray[np.intp]
@@ -47,7 +46,7 @@ def _by_rule(clashes: Table, _reach: float | None) -> Labels:
 
 
 def _by_part(clashes: Table, _reach: float | None) -> Labels:
-    """Assigns rows to the part with most of the remaining rows: greedy cover, ties to the lower part."""
+    """Assigns rows to the part with most of the remaining rows: greedy cover, ties to the first by name."""
     label = np.full(len(clashes), -1, dtype=np.intp)
     rows_of: dict[int, list[int]] = {}
     pairs = list(zip(clashes.parts_a.tolist(), clashes.parts_b.tolist(), strict=True))
@@ -55,22 +54,22 @@ def _by_part(clashes: Table, _reach: float | None) -> Labels:
         for part in pair:
             rows_of.setdefault(part, []).append(row)
     left = {part: len(rows) for part, rows in rows_of.items()}
+    place = places(clashes.keys).tolist()
     # The largest first. A part that lost rows meanwhile goes back with its new count.
-    heap = [(-count, part) for part, count in left.items()]
+    heap = [(-count, place[part], part) for part, count in left.items()]
     heapq.heapify(heap)
     while heap:
-        count, part = heapq.heappop(heap)
+        count, _, part = heapq.heappop(heap)
         if left[part] != -count:
             if left[part]:
-                heapq.heappush(heap, (-left[part], part))
+                heapq.heappush(heap, (-left[part], place[part], part))
             continue
         for row in rows_of[part]:
             if label[row] < 0:
                 label[row] = part
                 for each in pairs[row]:
                     left[each] -= 1
-    keys = part_keys(clashes.part_paths)
-    return label, lambda part, _number: keys[part]
+    return label, lambda part, _number: clashes.keys[part]
 
 
 def _by_cluster(clashes: Table, reach: float | None) -> Labels:

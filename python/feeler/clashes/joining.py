@@ -16,7 +16,8 @@ from feeler.clashes.tracking import Mark
 def joined(
     tables: Sequence[AnyTable], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: Status | None = None
 ) -> AnyTable:
-    """The rows of all tables in order, with the facts of the first table. Of rows with equal ids, the first stays.
+    """The rows of all tables, the worst first, with the facts of the first table. Of rows with equal ids, the first
+    stays.
 
     keys: the key of each part of each table. status: for all rows; None keeps the status of each row.
     """
@@ -41,4 +42,5 @@ def joined(
             marks[each] = replace(mark, status=status or mark.status)
             first.append(row)
     found.marks.replace(marks)
-    return found[np.array(first, dtype=np.intp)]
+    found = found[np.array(first, dtype=np.intp)]
+    return found[found.columns.order(found.keys, found.rule_names)]

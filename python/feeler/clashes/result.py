@@ -31,7 +31,7 @@ class Clashes(Table):
     .paths_b .verdicts .depths .depth_errors .depth_kinds .translations .gaps .points_a .points_b .volumes .triangles
     .boxes .is_open_a .is_open_b .rules .severities .ids .statuses .by .notes .changed`. Sorted by severity; then
     duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the nearest first;
-    then by parts.
+    then by the names of parts.
     """
 
     def groups(self, by: GroupBy = "part", *, reach: float | None = None) -> list[Group]:

@@ -54,7 +54,7 @@ def with_rules(clashes: AnyTable, rules: Rules, mockup: Mockup | None) -> AnyTab
     judged, rule = judged_rows(kept), rule[kept]
     columns = replace(judged.columns, rule=rule.astype(np.uint32), severity=found.severities[rule])
     left = np.flatnonzero(~judged.is_far)
-    order = left[columns.rows(left).order()]
+    order = left[columns.rows(left).order(clashes.keys, found.names)]
     notes += judged.notes
     facts = replace(
         clashes.facts,

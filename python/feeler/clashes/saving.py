@@ -231,7 +231,7 @@ class _Reader(Generic[AnyTable]):
             least_contact=_real(data.get("least_contact") or 0.0, "least_contact"),
             names=self._names(data.get("names", {})),
         )
-        order = columns.order()
+        order = columns.order(list(keys), list(rules))
         is_partial = bool(data.get("partial", False)) and name == "clashes"
         shapes = self._shapes(data, "shapes" if name == "clashes" else "earlier_shapes").joined(unknown(list(keys)))
         return self.kind(

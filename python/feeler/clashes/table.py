@@ -122,15 +122,25 @@ class Columns:
         """The chosen rows, in the given order."""
         return Columns(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
-    def order(self) -> npt.NDArray[np.intp]:
-        """The worst first: by severity, then by verdict, then by depth or gap, then by parts.
+    def order(self, keys: Sequence[str], rules: Sequence[str]) -> npt.NDArray[np.intp]:
+        """The worst first: by severity, then by verdict, then by depth or gap, then by the names of parts and rules.
 
         Duplicates come first: one of the two parts is superfluous, and their depth of 0 says nothing. Clashes and
         contained parts follow together, the deepest first; then contacts, the deepest first; then clearances, the
-        nearest first. Depths that were not measured (NaN) come last.
+        nearest first. Depths that were not measured (NaN) come last. keys, rules: what parts and rules are called;
+        their numbers are not the same in a file.
         """
         rank = np.array(_RANKS)[self.verdict]
-        return np.lexsort((self.b, self.a, self.gap, -self.depth, rank, self.severity))
+        place = places(keys)
+        first, second = np.sort([place[self.a], place[self.b]], axis=0)
+        return np.lexsort((places(rules)[self.rule], second, first, self.gap, -self.depth, rank, self.severity))
+
+
+def places(names: Sequence[str]) -> npt.NDArray[np.intp]:
+    """The place of each name in their order."""
+    found = np.empty(len(names), dtype=np.intp)
+    found[sorted(range(len(names)), key=names.__getitem__)] = np.arange(len(names))
+    return found
 
 
 _FIRST = (Verdict.DUPLICATE,), (Verdict.CLASH, Verdict.CONTAINED), (Verdict.CONTACT,), (Verdict.CLEARANCE,)

@@ -20,5 +20,6 @@ pub mod of_tool;
 mod off_surface;
 mod outline;
 mod piece;
+mod shared_line;
 mod tree;
 pub mod walls;

@@ -5,8 +5,10 @@ use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{distance_to, Body};
 use super::depth::{point_depth_from, PointDepth};
+use super::shared_line::{shared, SharedLine, Span};
 use crate::constants::{
-    FLUSH_ROUNDINGS, NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE,
+    FLUSH_ROUNDINGS, NEEDLE_RAYS, NEEDLE_REACH, NEEDLE_STEP, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP,
+    WALL_MIDDLE,
 };
 
 /// Whether two bodies clash as thin walls, although no point of either is deeper than `contact` (metres) in the other: they cross, or
@@ -34,15 +36,24 @@ fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> 
     (0..few.len() as u32).any(|i| {
         let t = few.triangle(i).map(|p| add(&p, &shift));
         let is_crossing_walls = |j: u32| {
-            let at = crossing_point(&t, many.triangle(j), least)?;
-            let of_few = |is_thin: IsThin| is_thin(few, i, &sub(&at, &shift), thickness[0]);
-            let of_many = |is_thin: IsThin| is_thin(many, j, &at, thickness[1]);
-            let is_crossing = match (of_few(is_wall), of_many(is_wall)) {
-                (true, true) => true,
-                (true, false) => of_many(is_needle),
-                (false, true) => of_few(is_needle),
-                (false, false) => false,
+            let normals = [few.outward(i)?, many.outward(j)?];
+            let line = SharedLine::new([&t, many.triangle(j)], normals, least)?;
+            let of_few = line.moved(&scaled(&shift, -1.0));
+            let own = of_few.before_walls(few, i, thickness[0], least);
+            let other = line.before_walls(many, j, thickness[1], least);
+            if own.is_empty() && other.is_empty() {
+                return None;
+            }
+            let crossing = line.where_through([few, many], &shift, least);
+            let (own, other) = (shared(&own, &crossing), shared(&other, &crossing));
+            let is_needle_at = |line: &SharedLine, body: &Body, i: u32, thickness: f64, spans: &[Span]| {
+                // A power of two, which small errors of depths hardly change.
+                let step = (NEEDLE_STEP * thickness).log2().floor().exp2();
+                line.points(spans, step, body.origin()).any(|at| is_needle(body, i, &at, thickness))
             };
+            let is_crossing = !shared(&own, &other).is_empty()
+                || is_needle_at(&line, many, j, thickness[1], &own)
+                || is_needle_at(&of_few, few, i, thickness[0], &other);
             is_crossing.then_some(())
         };
         many.find_overlapping(&Aabb::of_triangle(&t), is_crossing_walls).is_some()
@@ -116,20 +127,6 @@ fn nearest_face([p, q]: [&Point; 2], body: &Body) -> (f64, Point) {
     nearest
 }
 
-/// Whether a body is thin behind a point of one of its triangles.
-type IsThin = fn(&Body, u32, &Point, f64) -> bool;
-
-/// Whether a face that looks the other way is behind a point of a triangle, no farther than a wall of this thickness would have it.
-fn is_wall(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
-    let Some(outward) = body.outward(i) else { return false };
-    let end = along(at, -thickness, &outward);
-    let is_opposite = |j: u32| {
-        let faces_away = j != i && body.outward(j).is_some_and(|n| dot(&n, &outward) <= OPPOSITE_FACES);
-        (faces_away && piercing([at, &end], body.triangle(j), 0.0).is_some()).then_some(())
-    };
-    body.find_overlapping(&Aabb::of_triangle(&[*at, end, end]), is_opposite).is_some()
-}
-
 /// Whether the body is a needle behind a point of a triangle: the triangle's face and two others enclose a section in which no point is
 /// deeper than half this thickness. Tips and edges are not needles, since they become thicker farther in.
 ///
@@ -184,51 +181,6 @@ fn face_along(body: &Body, from: &Point, ray: &Point) -> Option<(Point, Point)> 
     first
 }
 
-/// A point where an edge of one triangle goes through the other, not by rounding alone: faces that are flush do not cross.
-fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
-    let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let is_beyond = |p: &Point, n: &Point, u: &Triangle| dot(n, &sub(p, &u[0])).abs() > least;
-    let through = |t: &Triangle, u: &Triangle| {
-        let n = precise_normal(u)?;
-        let ends_beyond = |[p, q]: &[Point; 2]| is_beyond(p, &n, u) && is_beyond(q, &n, u);
-        edges(t).iter().filter(|edge| ends_beyond(edge)).find_map(|[p, q]| piercing([p, q], u, least))
-    };
-    let (p, q) = (through(t, u), through(u, t));
-    match (p, q) {
-        (Some(p), Some(q)) if length(&sub(&p, &q)) > least => Some(scaled(&add(&p, &q), 0.5)),
-        (Some(p), None) | (None, Some(p)) => Some(p),
-        (Some(_), Some(_)) => None,
-        (None, None) => middle_of_crossing(t, u, least),
-    }
-}
-
-/// The middle of the segment in which two triangles cross, where it lies inside of both: its ends may be on the border of both.
-fn middle_of_crossing(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
-    let (m, n) = (precise_normal(t)?, precise_normal(u)?);
-    let line = unit(&cross(&m, &n))?;
-    // Where a triangle goes through the plane of the other, by more than rounding to both sides.
-    let ends = |t: &Triangle, u: &Triangle, n: &Point| {
-        let heights = t.map(|p| dot(n, &sub(&p, &u[0])));
-        let (low, high) = heights.iter().fold((0.0f64, 0.0f64), |(low, high), h| (low.min(*h), high.max(*h)));
-        if low >= -least || high <= least {
-            return None;
-        }
-        let through = (0..3).filter_map(|i| {
-            let (h, k) = (heights[i], heights[(i + 1) % 3]);
-            (h * k <= 0.0 && h != k).then(|| along(&t[i], h / (h - k), &sub(&t[(i + 1) % 3], &t[i])))
-        });
-        let mut through: Vec<Point> = through.collect();
-        through.sort_by(|p, q| dot(p, &line).total_cmp(&dot(q, &line)));
-        Some([*through.first()?, *through.last()?])
-    };
-    let ([a, b], [c, d]) = (ends(t, u, &n)?, ends(u, t, &m)?);
-    let latest = if dot(&a, &line) > dot(&c, &line) { a } else { c };
-    let earliest = if dot(&b, &line) < dot(&d, &line) { b } else { d };
-    let middle = scaled(&add(&latest, &earliest), 0.5);
-    let is_long = dot(&sub(&earliest, &latest), &line) > least;
-    (is_long && is_within(&middle, t, &m, least) && is_within(&middle, u, &n, least)).then_some(middle)
-}
-
 /// Where a segment goes through a triangle, no nearer to its border than `inset` (metres).
 fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
     let n = precise_normal(t)?;
@@ -253,7 +205,6 @@ fn is_within(at: &Point, t: &Triangle, n: &Point, inset: f64) -> bool {
 mod tests {
     use super::super::brute::{block, body, placed};
     use super::*;
-    use feeler_shapes::random::Random;
     use feeler_shapes::{joined, ridge, turned, Arrays};
 
     /// Whether they cross, at a turn, either way round, and cut finely or not.
@@ -275,6 +226,19 @@ mod tests {
         // A rod through it, as thick as it and thinner; and one that ends in its middle.
         assert!(are_crossing(plate, |cells| block([0.1, 0.1, -1.0], [0.2, 0.2, 1.0], cells)));
         assert!(are_crossing(plate, |cells| block([0.1, 0.1, -1.0], [0.15, 0.16, 1.0], cells)));
+    }
+
+    #[test]
+    fn walls_cross_also_where_edges_of_triangles_lie_in_both() {
+        // Cut into cells, each has edges in the faces of the other.
+        let plate = |cells| block([-1.0, -1.0, -0.125], [1.0, 1.0, 0.125], cells);
+        let across = |cells| block([-0.125, -1.0, -1.0], [0.125, 1.0, 1.0], cells);
+        let foot = |cells| block([-0.125, -1.0, 0.125], [0.125, 1.0, 1.0], cells);
+        for (cells, other) in [(1, 1), (1, 16), (16, 1), (8, 16), (16, 16)] {
+            let [a, b, c] = [plate(cells), across(other), foot(other)].map(body);
+            assert!(are_walls_clashing([&a, &b], 1.0) && are_walls_clashing([&b, &a], 1.0), "{cells} {other}");
+            assert!(!are_walls_clashing([&a, &c], 1.0) && !are_walls_clashing([&c, &a], 1.0), "{cells} {other}");
+        }
     }
 
     #[test]
@@ -450,35 +414,5 @@ mod tests {
         assert!(piercing([&[0.2, 0.2, 0.0], &[0.2, 0.2, 1.0]], &t, 0.0).is_none());
         assert!(piercing([&[0.2, 0.2, 2.0], &[0.2, 0.2, 1.0]], &t, 0.0).is_none());
         assert!(piercing([&[0.2, 0.2, 1.0], &[0.2, 0.2, -1.0]], &t, 0.0).is_some());
-    }
-
-    #[test]
-    fn triangles_cross_in_the_middle_of_their_line_or_not_at_all() {
-        let t = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
-        let mut r = Random::new(1);
-        for (u, expected) in [
-            // An edge of each through the other; two edges of one; a corner or an edge just off it; beside.
-            ([[0.5, 0.5, -1.0], [0.5, 0.5, 1.0], [0.5, 9.0, 0.0]], Some([0.5, 1.0, 0.0])),
-            ([[0.5, 0.5, -1.0], [0.5, 0.5, 1.0], [0.5, 0.7, 1.0]], Some([0.5, 0.5, 0.0])),
-            ([[0.5, 0.5, 1e-9], [0.5, 0.5, 1.0], [0.5, 0.7, 1.0]], None),
-            ([[0.5, 0.5, 1e-9], [0.9, 0.5, 1e-9], [0.5, 0.7, 1.0]], None),
-            ([[5.0, 0.5, -1.0], [5.0, 0.5, 1.0], [5.0, 9.0, 0.0]], None),
-        ] {
-            let m = r.motion(1.0);
-            let place =
-                |p: &Point| -> Point { std::array::from_fn(|a| m[a][0] * p[0] + m[a][1] * p[1] + m[a][2] * p[2]) };
-            for [p, q] in [[&t, &u], [&u, &t]] {
-                let found = crossing_point(&p.map(|p| place(&p)), &q.map(|p| place(&p)), 1e-9);
-                match (found, expected) {
-                    (Some(found), Some(expected)) => {
-                        let off = length(&sub(&found, &place(&expected)));
-                        assert!(off < 0.5, "{off} {found:?} {expected:?}");
-                        let flat = dot(&place(&[0.0, 0.0, 1.0]), &found);
-                        assert!(flat.abs() < 1e-12);
-                    }
-                    (found, expected) => assert_eq!(found.is_some(), expected.is_some(), "{u:?}"),
-                }
-            }
-        }
     }
 }
