@@ -267,6 +267,15 @@ def test_names_of_parts_cannot_be_changed_or_lose_their_order() -> None:
             feeler.Mockup(CORNERS, FACES, [0, 0, 1, 1], **{name: {"a", "b"}})  # type: ignore[arg-type]
 
 
+def test_a_source_is_a_source() -> None:
+    for mesh in (feeler.Mockup(CORNERS, FACES), feeler.Tool(CORNERS, FACES, "w")):
+        for wrong in (None, "m", 3):
+            with pytest.raises(feeler.OptionError, match=r"source is .*: give a feeler\.types\.Source"):
+                mesh.source = wrong  # type: ignore[assignment]
+        mesh.source = Source(format="mine")
+        assert "mine" in str(mesh.report.source)
+
+
 class _Refusing:
     """As a tensor of another device, or one that is being learned."""
 

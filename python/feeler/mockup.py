@@ -172,6 +172,16 @@ class _Attributed:
         self.__dict__.update(part_names=tuple(names), part_paths=tuple(paths))
 
     @property
+    def source(self) -> Source:
+        """Where it came from: files, unit, notes. You can set it; raises `OptionError` for anything but a `Source`."""
+        source: Source = self.__dict__["source"]
+        return source
+
+    @source.setter
+    def source(self, given: Source) -> None:
+        self.__dict__["source"] = check_kind("source", given, Source, "a feeler.types.Source")
+
+    @property
     def part_bounds(self) -> npt.NDArray[np.float64]:
         """`(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty. Read-only,
         the same array at every call: `reshape(-1, 2, 3)` has a box a row."""
@@ -238,7 +248,7 @@ class Mockup(_Attributed, _core.Mockup):
 
     Attributes:
 
-    - `part_names`, `part_paths`: lists of text, by part: the name, and the place in the assembly.
+    - `part_names`, `part_paths`: tuples of text, by part: the name, and the place in the assembly.
     - `part_colours`: `(parts, 3)` sRGB, 0 to 1, of pictures, GLB files and the workbench; a row of NaN is a part
       without a colour, None: no part has one. You can set it.
     - `part_attributes`: of each part a dict of text by name, such as its material. You can set it.
@@ -247,7 +257,6 @@ class Mockup(_Attributed, _core.Mockup):
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """
 
-    source: Source
     _modelled: Mockup | None = None
     """The mock-up with all parts where they are modelled, where this one has some moved (`Scene.moved`)."""
     _moves: tuple[list[int], npt.NDArray[np.float64]] | None = None
@@ -284,7 +293,7 @@ class Mockup(_Attributed, _core.Mockup):
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
             self._keep_attributes(given._part_attributes)
-        self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
+        self.source = Source() if source is None else source
         return self
 
     @classmethod
@@ -375,7 +384,6 @@ class Tool(_Attributed, _core.Tool):
     """
 
     name: str
-    source: Source
 
     def __new__(
         cls,
@@ -411,7 +419,7 @@ class Tool(_Attributed, _core.Tool):
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
             self._keep_attributes(given._part_attributes)
-        self.source = Source() if source is None else check_kind("source", source, Source, "a Source")
+        self.source = Source() if source is None else source
         return self
 
     @classmethod
