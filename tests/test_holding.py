@@ -151,6 +151,41 @@ def test_a_stud_stays_and_its_nut_holds() -> None:
     assert top.paths == ("cover",) and top.anchor_path == "stud_1"
 
 
+@pytest.mark.parametrize("name", ["stud_1", "rod"])
+def test_a_stud_in_holes_as_wide_as_itself_is_fastened_away_from_its_nuts(name: str) -> None:
+    parts = {
+        name: plain(hardware.ring(1e-5, SIZE / 2, 0.03, USUAL), at(z=-0.012)),
+        "cover": ring(FITTED, 0.0, 0.008),
+        "case": ring(FITTED, -0.014, 0.0),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=0.008)),
+    }
+    for seed in range(6):
+        found = feeler.holds(tilted(parts, seed))
+        stud, top = only(found, name), only(found, "nut")
+        assert (stud.anchor_path, top.paths) == ("case", ("cover",)), (seed, stud.because)
+    # Without a nut it is fastened at the end that stands out less.
+    del parts["nut"]
+    rows = [only(feeler.holds(tilted(parts, seed)), name) for seed in range(6 if name == "stud_1" else 0)]
+    assert all(row.anchor_path == "case" for row in rows)
+
+
+@pytest.mark.parametrize("hole", [CLEAR, FITTED])
+@pytest.mark.parametrize("thick", [0.008, 0.2])
+def test_nuts_at_both_ends_of_a_stud_hold_all_between_them(thick: float, hole: float) -> None:
+    high = hardware.nut(SIZE, USUAL).vertices[:, 2].max()
+    parts = {
+        "stud_1": plain(hardware.ring(1e-5, SIZE / 2, thick + 0.009 + 2.0 * high, USUAL), at(z=-0.009 - high)),
+        "cover": ring(hole, 0.0, thick),
+        "case": ring(hole, -0.009, 0.0),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=thick)),
+        "other nut": nut(-0.009),
+    }
+    for seed in range(4):
+        found = feeler.holds(tilted(parts, seed))
+        assert only(found, "stud_1").anchor is None, only(found, "stud_1").because
+        assert all(set(only(found, each).paths) == {"cover", "case"} for each in ("nut", "other nut"))
+
+
 def test_a_clamp_passes_it_on() -> None:
     parts = {
         "bolt": bolt(0.03),
