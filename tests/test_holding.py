@@ -151,6 +151,56 @@ def test_a_stud_stays_and_its_nut_holds() -> None:
     assert top.paths == ("cover",) and top.anchor_path == "stud_1"
 
 
+@pytest.mark.parametrize("name", ["stud_1", "rod"])
+def test_a_stud_in_holes_as_wide_as_itself_is_fastened_away_from_its_nuts(name: str) -> None:
+    parts = {
+        name: plain(hardware.ring(1e-5, SIZE / 2, 0.03, USUAL), at(z=-0.012)),
+        "cover": ring(FITTED, 0.0, 0.008),
+        "case": ring(FITTED, -0.014, 0.0),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=0.008)),
+    }
+    for seed in range(6):
+        found = feeler.holds(tilted(parts, seed))
+        stud, top = only(found, name), only(found, "nut")
+        assert (stud.anchor_path, top.paths) == ("case", ("cover",)), (seed, stud.because)
+    # Without a nut it is fastened at the end that stands out less.
+    del parts["nut"]
+    rows = [only(feeler.holds(tilted(parts, seed)), name) for seed in range(6 if name == "stud_1" else 0)]
+    assert all(row.anchor_path == "case" for row in rows)
+
+
+@pytest.mark.parametrize("hole", [CLEAR, FITTED])
+@pytest.mark.parametrize("thick", [0.008, 0.2])
+def test_nuts_at_both_ends_of_a_stud_hold_all_between_them(thick: float, hole: float) -> None:
+    high = hardware.nut(SIZE, USUAL).vertices[:, 2].max()
+    parts = {
+        "stud_1": plain(hardware.ring(1e-5, SIZE / 2, thick + 0.009 + 2.0 * high, USUAL), at(z=-0.009 - high)),
+        "cover": ring(hole, 0.0, thick),
+        "case": ring(hole, -0.009, 0.0),
+        "nut": plain(hardware.nut(SIZE, USUAL), at(z=thick)),
+        "other nut": nut(-0.009),
+    }
+    for seed in range(4):
+        found = feeler.holds(tilted(parts, seed))
+        assert only(found, "stud_1").anchor is None, only(found, "stud_1").because
+        assert all(set(only(found, each).paths) == {"cover", "case"} for each in ("nut", "other nut"))
+
+
+@pytest.mark.parametrize("name", ["Klemmring", "morsetto", "shaft collar", "brida de sujeci\u00f3n"])
+def test_a_screw_across_the_slit_of_a_clamp_holds_what_it_clamps(name: str) -> None:
+    ear = ring(TAPPED, -0.02, -0.011, 0.008), ring(CLEAR, -0.009, 0.0, 0.008)
+    grip = box((-0.06, -0.008, -0.02), (-0.03, 0.008, -0.011)), box((-0.06, -0.008, -0.009), (-0.03, 0.008, 0.0))
+    hinge = box((-0.07, -0.008, -0.02), (-0.06, 0.008, 0.0))
+    arms = box((-0.03, -0.008, -0.02), (-0.007, 0.008, -0.011)), box((-0.03, -0.008, -0.009), (-0.007, 0.008, 0.0))
+    parts = {
+        "bolt": bolt(0.018),
+        name: joined(*ear, *arms, *grip, hinge),
+        "shaft": box((-0.0599, -0.05, -0.0109), (-0.04, 0.05, -0.0091)),
+    }
+    row = only(feeler.holds(tilted(parts, 3)), "bolt")
+    assert row.paths == (name, "shaft") and row.anchor_path == name, row
+
+
 def test_a_clamp_passes_it_on() -> None:
     parts = {
         "bolt": bolt(0.03),
@@ -334,10 +384,26 @@ def test_a_lock_nut_holds_what_its_nut_holds(gap: float) -> None:
                 "Rohrschelle oben",
                 "P-clip (black)",
                 "Doppelschelle",
+                "Klemme",
+                "Klemmring 2",
+                "Klemmst\u00fcck",
+                "Stellring geteilt",
+                "DIN 705 A20",
+                "shaft collar",
+                "hoseclamp_3",
+                "morsetto",
+                "brida de sujeci\u00f3n",
+                "collare di serraggio",
+                "bague d'arr\u00eat",
             )
         ),
         *((name, None) for name in ("pinion", "spindle", "pin block", "ISO 4762 M8", "ISO 7", "DIN 933 M8", "ring")),
         *((name, None) for name in ("Gewindestift", "anello di tenuta", "Stehbolzen", "plate with pin")),
+        *(
+            (name, None)
+            for name in ("Reihenklemme", "Klemmhebel", "Klemmring Deckel", "morsettiera", "collar", "O-Ring")
+        ),
+        *((name, None) for name in ("brida", "brida ciega", "bride", "collarín de embrague", "shaft", "bague")),
         *((name, None) for name in ("circlip cover", "circlip holder", "clamp plate", "upper half", "pin plate rear")),
     ],
 )

@@ -56,9 +56,12 @@ RETAINERS = {
     "spannhuelse spannhulse springpin springpins taperpin hairpin hairpins hairpinclip hairpinclips rclip "
     "rclips betaclip hitchpin linchpin lynchpin clevispin steckbolzen gelenkbolzen lagerbolzen drehbolzen "
     "passbolzen achsbolzen kolbenbolzen sicherungsbolzen bolzen perno pernos bulon bulones goujon goujons",
-    "clasp": "clip clips clamp clamps strap straps saddle saddles schelle rohrschelle schlauchschelle halteklammer "
-    "spannschelle klemmschelle schlauchklemme spannband "
-    "banjo banjos banjoeye banjofitting banjounion ringstutzen ringauge",
+    "clasp": "clip clips clamp clamps hoseclamp hoseclamps pipeclamp pipeclamps strap straps saddle saddles "
+    "shaftcollar shaftcollars setcollar setcollars clampcollar clampcollars clampingcollar clampingcollars "
+    "splitcollar splitcollars clampring clamprings clampingring clampingrings schelle rohrschelle schlauchschelle "
+    "halteklammer spannschelle klemmschelle klemme klemmen schlauchklemme schlauchklemmen rohrklemme rohrklemmen "
+    "klemmring klemmringe klemmstuck klemmstucke klemmstueck klemmstuecke stellring stellringe spannring spannringe "
+    "spannband banjo banjos banjoeye banjofitting banjounion ringstutzen ringauge",
     "fitting": "adapter adapters adaptor adaptors fitting fittings connector connectors union unions nipple nipples "
     "nippel stutzen schlauchstutzen einschraubstutzen tuelle schlauchtulle schlauchtuelle verschraubung "
     "rohrverschraubung einschraubverschraubung coupling hosetail hosebarb barb",
@@ -83,10 +86,12 @@ RETAINERS_FIRST = {
     "anillobloqueo",
     "pin": "goupille goupilles broche broches axearticulation axechape axepivot spina spine spinotto spinotti copiglia "
     "copiglie coppiglia coppiglie pasador pasadores clavija clavijas",
-    "clasp": "collier colliers brideserrage fascetta fascette abrazadera abrazaderas",
+    "clasp": "collier colliers brideserrage bagueserrage baguearret fascetta fascette morsetto morsetti "
+    "anelloserraggio collareserraggio collarebloccaggio collarearresto abrazadera abrazaderas bridasujecion "
+    "bridaapriete bridafijacion anilloapriete collarsujecion collarapriete collareje collarinapriete collarinsujecion",
     "fitting": "raccord raccords raccordo raccordi racor racores",
 }
-"""The same in languages in which they come first."""
+"""The same in languages in which they come first. "Bride" and "brida" alone are flanges."""
 
 PLACES = (
     "upper lower top bottom front rear back left right lh rh inner outer inside outside internal external middle "
@@ -95,9 +100,9 @@ PLACES = (
     "haelfte obere untere vordere hintere linke rechte avant arriere haut bas gauche droite droit interieur "
     "exterieur superieur inferieur milieu petit grand anteriore posteriore superiore inferiore sinistro destro "
     "sinistra destra interno esterno piccolo grande delantero trasero superior inferior izquierdo izquierda derecho "
-    "derecha interior exterior pequeno"
+    "derecha interior exterior pequeno geteilt geteilte einteilig zweiteilig"
 )
-"""Words behind a noun that say where or how large it is."""
+"""Words behind a noun that say where or how large it is, or in how many pieces."""
 
 KEEPERS = (
     "cover covers holder holders plate plates bracket brackets housing guard pliers groove tool deckel halter zange"
@@ -108,7 +113,7 @@ RETAINER_STANDARDS = {
     "circlip": "464 471 472 983 984 6799 7993",
     "pin": "1 7 94 1234 1444 1470 1471 1472 1473 1474 1475 1481 2338 2339 2340 2341 6325 7343 7346 7977 7978 7979 8734 "
     "8735 8740 8741 8742 8744 8745 8748 8750 8752 13337 22340 22341",
-    "clasp": "3015 3016 3017 72571 72573",
+    "clasp": "705 3015 3016 3017 72571 72573",
 }
 """Numbers of DIN and ISO standards by kind of retainer."""
 

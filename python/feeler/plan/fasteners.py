@@ -439,6 +439,13 @@ def framed(origin: Floats, axis: Floats) -> Floats:
     return frame
 
 
+def turned_round(row: Fastener, height: float) -> Fastener:
+    """A fastener of a height with its frame at its other end."""
+    frame = row.frame @ np.diag([1.0, -1.0, -1.0, 1.0])
+    frame[:3, 3] -= height * row.axis
+    return replace(row, frame=frame)
+
+
 def _turned_out(scene: Scene, found: list[tuple[Fastener, Looks]]) -> list[Fastener]:
     """Moves frames to the outer end, found by rays from both ends, around the axis.
 
@@ -465,9 +472,7 @@ def _turned_out(scene: Scene, found: list[tuple[Fastener, Looks]]) -> list[Faste
         if not any(inside) and _FAR * looks.height < min(above, below) and max(above, below) < np.inf:
             is_turned = _nearer_end(scene, row, looks, is_turned)
         if is_turned:
-            frame = row.frame @ np.diag([1.0, -1.0, -1.0, 1.0])
-            frame[:3, 3] = row.frame[:3, 3] - looks.height * row.axis
-            row = replace(row, frame=frame)
+            row = turned_round(row, looks.height)
         rows.append(row)
     return rows
 

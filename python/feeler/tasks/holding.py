@@ -16,7 +16,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import is_pipe, kind_said
-from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners, turned_round
 from feeler.progress import Progress
 from feeler.renamed import OldAttributes
 from feeler.scene import Scene
@@ -328,6 +328,7 @@ class _Holding:
         self.nuts: dict[int, list[Fastener]] = {row.part: [] for row in shanks}
         self.shank: dict[int, Fastener] = {}
         self._pair([row for row in rows if row.kind == "nut"], shanks)
+        self._turn_studs()
 
     def _pair(self, nuts: list[Fastener], shanks: list[Fastener]) -> None:
         """Which nut is on which shank."""
@@ -353,6 +354,36 @@ class _Holding:
                 best = int(np.argmax(np.where(is_on, np.round(shared, 6), -np.inf)))
                 self.nuts[shanks[best].part].append(nut)
                 self.shank[nut.part] = shanks[best]
+
+    def _turn_studs(self) -> None:
+        """Turns studs so that their nuts, or the end that stands out farther, are at the top: of two equal ends, which
+        is at the top in their frame is a matter of the pose."""
+        turned = {
+            row.part: turned_round(row, row.length)
+            for row in self.fasteners
+            if _is_stud(row) and _finite(row.length) > 0.0 and self._is_top_in(row)
+        }
+        self.fasteners = [turned.get(row.part, row) for row in self.fasteners]
+        self.shank = {nut: turned.get(row.part, row) for nut, row in self.shank.items()}
+        rows = list(turned.values())
+        self.passed.update(zip(turned, passed_by(self.bare, rows), strict=True))
+
+    def _is_top_in(self, stud: Fastener) -> bool:
+        """Whether the top of a stud is the end that is in what it is fastened in."""
+        passed, _ = self._without_washers(stud, self.passed[stud.part])
+        sides = self._sides(stud, passed)
+        if sides or not passed:
+            return sides == {False}
+        above = -max(each.top for each in passed)
+        return above + PLAY * stud.size < _finite(stud.length) + min(each.bottom for each in passed)
+
+    def _sides(self, shank: Fastener, passed: list[Passed]) -> set[bool]:
+        """Whether the nuts on a shank hold what is below them, or above."""
+        return {self._is_upward(shank, nut, passed) for nut in self.nuts[shank.part]}
+
+    def _is_between_nuts(self, row: Fastener, passed: list[Passed]) -> bool:
+        """Whether it is a stud with nuts at both ends."""
+        return _is_stud(row) and len(self._sides(row, passed)) > 1
 
     def spacers(self) -> set[int]:
         """Parts that look like nuts, with a clearance hole for a shank whose thread is farther on."""
@@ -653,8 +684,11 @@ class _Holding:
         return bool(is_flat and radius.min() > 0.4 * row.size)
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
-        """The deepest part that the shank is tight in."""
+        """The deepest part that the shank is tight in. A stud with nuts at both ends that is tight in several parts has
+        none: which of the holes is a thread is not known then."""
         tight = [each for each in passed if _is_tight(row, each)]
+        if len({each.part for each in tight}) > 1 and self._is_between_nuts(row, passed):
+            return None
         return min(tight, key=lambda each: each.bottom, default=None)
 
     def _in_fastener(self, row: Fastener) -> Passed | None:
@@ -692,7 +726,7 @@ class _Holding:
     def _around_tip(self, row: Fastener, passed: list[Passed]) -> Passed | None:
         """The deepest part, if the tip ends in it, and others are above: the tip of a bolt with a nut stands out."""
         deepest = min(passed, key=lambda each: each.bottom, default=None)
-        if deepest is None or not _finite(row.length) > 0.0:
+        if deepest is None or not _finite(row.length) > 0.0 or self._is_between_nuts(row, passed):
             return None
         is_in = deepest.bottom <= -_head(row) - TIP * row.length
         is_alone = all(each.part == deepest.part for each in passed)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
-from feeler.plan.fasteners import Fastener, Fasteners
+from feeler.plan.fasteners import Fastener, Fasteners, turned_round
 from feeler.scene import Scene
 from feeler.tasks.holding import Hold, Holds
 from feeler.tasks.passing import passed_by
@@ -44,9 +42,7 @@ def _outward(bare: Scene, stud: Fastener, anchor: int | None) -> Fastener:
     middle = [0.5 * (each.top + each.bottom) for each in passed if each.part == anchor]
     if not middle or min(middle) <= -0.5 * stud.length:
         return stud
-    frame = stud.frame @ np.diag([1.0, -1.0, -1.0, 1.0])
-    frame[:3, 3] -= stud.length * stud.axis
-    return replace(stud, frame=frame)
+    return turned_round(stud, stud.length)
 
 
 def _turned(row: Hold) -> Hold:
