@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import trimesh
+from commands import run_json
 from test_project_workbench import WAIT_S, opened, saved
-from workbench_scene import stand
+from workbench_scene import PATHS, stand
 
 import feeler
 from feeler.cli.projects import open_named
+from feeler.io import write_glb
 
 
 def test_statuses_have_a_history_and_keep_their_notes(tmp_path: Path) -> None:
@@ -178,3 +182,73 @@ def test_a_check_of_an_open_project_offers_only_what_it_has(tmp_path: Path) -> N
     with pytest.raises(feeler.ProjectError, match="open it read-only with --read-only"):
         open_named(path)
     session.close()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"engine_v2/{path}" for path in PATHS],
+        [path.replace("stand/", "frame/") for path in PATHS],
+        [path.replace("posts/left", "posts/links") for path in PATHS],
+    ],
+    ids=["root", "folder", "part"],
+)
+def test_groups_and_the_history_follow_renamed_parts_in_checks_of_the_command_line(
+    tmp_path: Path, names: list[str]
+) -> None:
+    path = tmp_path / "a.feelproj"
+    for name, paths in (("old", PATHS), ("new", names)):
+        write_glb(tmp_path / f"{name}.glb", stand(paths))
+    rows = run_json("clash", tmp_path / "old.glb", "--clearance", "0.3", "--project", path)["clashes"]
+    left = next(row for row, each in enumerate(rows) if "left" in each["a"] and each["gap"])
+    session = opened(path, feeler.load_mockup(tmp_path / "old.glb"))
+    version = session.document()["findings"]["version"]
+    session.command("finding_mark", {"version": version, "rows": [left], "status": "reviewed"})
+    session.command("finding_group_add", {"version": version, "rows": [left], "name": "mine"})
+    saved(session)
+    session.close()
+    # The second check does not look for gaps: the finding waits.
+    for clearance in ("0.3", "0", "0.3"):
+        run_json("clash", tmp_path / "new.glb", "--clearance", clearance, "--project", path)
+    found = [row for row in run_json("report", path)["findings"] if row["group"] == "mine"]
+    assert [(row["status"], [line["status"] for line in row["history"]]) for row in found] == [
+        ("reviewed", ["reviewed"])
+    ], found
+
+
+def test_groups_follow_parts_that_get_the_names_of_others(tmp_path: Path) -> None:
+    """Of equal paths: if the first part is gone, each later one has the key that the one before it had."""
+    path = tmp_path / "a.feelproj"
+    before = pegs(0, 1, 2)
+    with feeler.open_project(path, before) as project:
+        project.write_clashes(feeler.clash(before))
+    session = opened(path, before)
+    version = session.document()["findings"]["version"]
+    for row, name in ((0, "of the first"), (2, "of the last")):
+        session.command("finding_group_add", {"version": version, "rows": [row], "name": name})
+    saved(session)
+    session.close()
+    now = pegs(1, 2)
+    with feeler.open_project(path, now) as project:
+        known = project.clashes()
+        assert known is not None
+        found = feeler.clash(now)
+        found.diff(known)
+        for _ in range(2):  # written again, nothing gets another name
+            project.write_clashes(found)
+    session = opened(path, now)
+    findings = session.document()["findings"]
+    assert findings["members"] == {found[1].id: findings["own_groups"][1]["id"]}
+    session.close()
+
+
+def pegs(*numbers: int) -> feeler.Mockup:
+    """A plate, and pegs of one path that stand deep in it."""
+    plate, peg = trimesh.creation.box((1.0, 0.1, 0.1)), trimesh.creation.box((0.02, 0.02, 0.2))
+    return feeler.Mockup(
+        np.concatenate([plate.vertices, *(peg.vertices + np.array((0.1 * number, 0.0, 0.0)) for number in numbers)]),
+        np.concatenate([plate.faces, *(peg.faces + 8 * (row + 1) for row in range(len(numbers)))]),
+        np.repeat(np.arange(1 + len(numbers)), 12),
+        ["plate", *("peg" for _ in numbers)],
+        part_paths=["plate", *("peg" for _ in numbers)],
+    )

@@ -325,7 +325,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 def test_axe_finds_nothing_serious(context: Any, stand: Path, cube: Path) -> None:
     with program(stand, "--tool", cube) as started:
         page = opened(context, started)
-        for panel in range(1, 6):
+        for panel in range(1, 9):
             page.keyboard.press(f"Alt+{panel}")
             assert access_troubles(page, SCHEMES) == [], panel
         page.locator("#picture").focus()

@@ -8,7 +8,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import differing, document, keep, opened, picture, program, settled, troubles, wait
+from browser import (
+    SCHEMES,
+    access_troubles,
+    differing,
+    document,
+    keep,
+    needs_axe,
+    opened,
+    picture,
+    program,
+    settled,
+    troubles,
+    wait,
+)
 
 import feeler
 from feeler.io import write_glb
@@ -120,6 +133,46 @@ def test_clashes_are_checked_looked_at_and_ignored_in_the_page(context: Any, peg
         page.get_by_text("1 finding", exact=True).last.wait_for()
         assert document(page)["findings"]["hidden"] == {"pegs sit in the plate": 3}
         assert troubles(page) == []
+
+
+@needs_axe
+def test_axe_finds_nothing_serious_in_findings(context: Any, tmp_path: Path) -> None:
+    """With names that are cut, statuses, and findings of an earlier revision."""
+    from browser import sized
+
+    names = ("stand/plate", "stand/" + "very_" * 12 + "long_peg_1", "stand/peg (2)", "stand/peg_3")
+    for revision, height in (("a", 0.05), ("b", 0.06)):
+        shapes = [sized((0.4, 0.2, 0.02), (0.0, 0.0, 0.0))]
+        shapes += [sized((0.02, 0.02, height), (0.06 * k, 0.0, 0.03)) for k in range(3)]
+        mockup = feeler.Mockup(
+            np.concatenate([points for points, _ in shapes]),
+            np.concatenate([faces + 8 * i for i, (_, faces) in enumerate(shapes)]),
+            np.repeat(np.arange(len(shapes)), 12),
+            [name.split("/")[-1] for name in names],
+            part_paths=list(names),
+        )
+        write_glb(tmp_path / f"{revision}.glb", mockup)
+    project = tmp_path / "a.feelproj"
+    with program(tmp_path / "a.glb", "--project", project) as started:
+        page = opened(context, started)
+        page.keyboard.press("Alt+6")
+        page.get_by_role("button", name="Check clashes").click()
+        page.locator(".finding", has_text="peg_3").click()
+        page.get_by_label("Status of the finding").select_option("approved")
+        page.get_by_label("Group of the finding").select_option("New group…")
+        page.get_by_label("Name of the group").wait_for()
+        assert access_troubles(page, SCHEMES) == []
+        keep(page.screenshot(), "findings_named.png")
+        wait(page, "() => window.feeler.document.project.state === 'saved'")
+    with program(tmp_path / "b.glb", "--project", project) as started:
+        page = opened(context, started)
+        page.keyboard.press("Alt+6")
+        cut = page.locator(".finding", has_text="very_long_peg_1").locator(".name-head")
+        assert [each.evaluate("each => each.scrollWidth > each.clientWidth") for each in cut.all()] == [False, True]
+        page.locator(".finding", has_text="earlier revision").first.wait_for()
+        assert page.locator(".finding").count() == 3
+        assert access_troubles(page) == []
+        keep(page.screenshot(), "findings_stale.png")
 
 
 def test_what_clashes_with_a_part(context: Any, pegs: Path) -> None:

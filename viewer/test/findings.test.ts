@@ -10,7 +10,6 @@ import {
   ALL,
   type FindingFilter,
   FindingList,
-  middleCut,
   neighbour,
   type ShownFindings,
   sentence,
@@ -183,11 +182,6 @@ test("a note that somebody else changed meanwhile keeps both", () => {
   assert.equal(withOthers("old", "old", "theirs"), "theirs", "nothing was typed");
   assert.equal(withOthers("", "old", "theirs"), "theirs");
   assert.equal(withOthers("same", "", "same"), "same");
-});
-
-test("names lose their middle", () => {
-  assert.equal(middleCut("cover_screw_outer_002", 12), "cover_…r_002");
-  assert.equal(middleCut("short", 12), "short");
 });
 
 test("a finding in the picture: its parts are seen, all else is faint, and leaving it restores all", () => {

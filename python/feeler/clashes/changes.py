@@ -14,7 +14,7 @@ from feeler.clashes.joining import joined
 from feeler.clashes.matching import PartMatch, matched
 from feeler.clashes.shapes import PartShapes, Shapes, shapes_of, unknown
 from feeler.clashes.table import AnyTable, Table
-from feeler.clashes.tracking import Mark, check_of, followed, part_keys
+from feeler.clashes.tracking import Mark, check_of, clash_id, followed, part_keys
 from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 
@@ -97,6 +97,7 @@ def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
         _former(now, known[0]),
         check_of(before.ids, (before.points_a, before.points_b)),
     )
+    now.marks.renamed = _renamed(known)
     ended = {*resolved.ids, *marks}
     now.marks.aside = {each: mark for each, mark in before.marks.aside.items() if each not in ended}
     now._set_earlier(earlier)
@@ -110,6 +111,16 @@ def _former(now: AnyTable, known: _Known[AnyTable]) -> dict[str, str | None]:
     here = {_pair(rule, keys[a], keys[b]): each for each, rule, a, b in rows}
     pairs = zip(known.table.ids, known.rows(), strict=True)
     return {each: None if pair is None else here.get(pair) for each, (pair, _) in pairs}
+
+
+def _renamed(known: Sequence[_Known[AnyTable]]) -> dict[str, str]:
+    """The id of now by the earlier one, of findings whose parts have other keys."""
+    found = {}
+    for each in known:
+        for before, (pair, changed) in zip(each.table.ids, each.rows(), strict=True):
+            if pair is not None and changed:
+                found[before] = clash_id(*pair)
+    return found
 
 
 def _known(before: AnyTable, now: Shapes) -> list[_Known[AnyTable]]:

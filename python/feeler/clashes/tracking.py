@@ -181,6 +181,9 @@ class Marks:
         """By id in the last check that `Clashes.diff` compared with: the id here; None if it is gone."""
         self.former_check = ""
         """That check, as `check_of` names it."""
+        self.renamed: Mapping[str, str] = {}
+        """By id in that check, or in those before it: the id now that a part has another key, also of findings that
+        this check did not look for."""
 
     def of(self, clash: str) -> Mark:
         """The mark of a finding."""

@@ -13,7 +13,7 @@ from feeler.atomic import check_target
 from feeler.choices import GroupBy
 from feeler.clashes import saving
 from feeler.clashes.result import Clashes
-from feeler.clashes.tracking import APPROVAL, Mark, mark_of_json
+from feeler.clashes.tracking import APPROVAL, Mark, check_of, mark_of_json
 from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 from feeler.project.layout import SUFFIX
@@ -124,9 +124,10 @@ class Book:
         rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
         ended = {row["id"]: {"status": "resolved"} for row in earlier if row["status"] == "resolved"}
         waiting = {row["id"]: row for row in earlier if row["status"] != "resolved"}
-        known, listed = self.marks(), {str(row.get("id")) for row in self.findings()}
         every = {**{row["id"]: row for row in rows}, **waiting}
         here = {key: {name: row[name] for name in _MARKED if name in row} for key, row in every.items()}
+        ids = {before: now for before, now in self._renamed(clashes).items() if now in here}
+        known, listed = renamed_marks(self.marks(), ids), {str(row.get("id")) for row in self.findings()}
         marks = {}
         others = {*here, *ended, *listed}
         # Findings that the workbench ignores are not listed: their marks stay.
@@ -135,8 +136,16 @@ class Book:
             mark = {**here.get(key, {}), **more}
             if mark != _NEW:
                 marks[key] = mark
-        changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.marks_changes(marks, ended)]
+        changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.history_changes(ids)]
+        changes += self.marks_changes(marks, ended, known)
         self.write([*changes, *self._of_another_check(head), *beside])
+
+    def _renamed(self, clashes: Clashes) -> Mapping[str, str]:
+        """The id now by the id before, of findings that a comparison with the last check found under other names."""
+        last = self.clashes() if clashes.marks.renamed else None
+        if last is None or check_of(last.ids, (last.points_a, last.points_b)) != clashes.marks.former_check:
+            return {}
+        return clashes.marks.renamed
 
     def _check_parts(self, clashes: Clashes) -> None:
         """Raises `OptionError` for findings of another mock-up: no part is known by path or by content."""
@@ -215,14 +224,18 @@ class Book:
         return found
 
     def marks_changes(
-        self, marks: Mapping[str, Mapping[str, Any]], ended: Mapping[str, Mapping[str, Any]] | None = None
+        self,
+        marks: Mapping[str, Mapping[str, Any]],
+        ended: Mapping[str, Mapping[str, Any]] | None = None,
+        before: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> Iterator[Change]:
         """Makes these the marks of the findings, and adds a line to the history for each change.
 
         ended: the marks of findings that are gone, for the history; None: a finding without a mark is new again.
+        before: the marks to compare with; None: those of the file.
         """
         at = now()
-        before = self.marks()
+        before = self.marks() if before is None else before
         number = self.history_length()
         for key in [*marks, *(key for key in before if key not in marks)]:
             known = before.get(key, _NEW)
@@ -250,6 +263,13 @@ class Book:
             if line != _line(key, at, known or _NEW) and number < _MOST_HISTORY:
                 yield put("history", str(number), number, dumps(line))
                 number += 1
+
+    def history_changes(self, ids: Mapping[str, str]) -> Iterator[Change]:
+        """Gives the lines of findings with other ids now, by the ids before, to these."""
+        for row in self._store.rows("history") if ids else ():
+            value = self.value(row, "history")
+            if isinstance(value, dict) and isinstance(key := value.get("id"), str) and key in ids:
+                yield put("history", row.id, row.place, dumps({**value, "id": ids[key]}), row.data)
 
     def history_length(self) -> int:
         """The number of rows of the history."""
@@ -294,6 +314,12 @@ class Book:
     def value(self, row: Row, table: str) -> Any:
         """The value of a row of a table. Raises `LoadError`."""
         return loads(row.value, f"{self.path}: {row.id[:60]!r} of {table}")
+
+
+def renamed_marks(marks: Mapping[str, dict[str, Any]], ids: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Marks by the ids of now. ids: by the ids before; a mark goes if another finding has its id now."""
+    taken = {*ids.values()}
+    return {ids.get(key, key): mark for key, mark in marks.items() if key in ids or key not in taken}
 
 
 def _line(finding: str, at: str, mark: Mapping[str, Any]) -> dict[str, Any]:

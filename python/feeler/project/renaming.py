@@ -106,8 +106,7 @@ def renaming_changes(book: Book, names: Names) -> list[Change]:
         if isinstance(value, dict) and (new := _new_id(value, names)) is not None and new not in known:
             ids[str(value["id"])] = new
     found = [*_replaced("findings", rows, lambda value: _finding(value, names, ids))]
-    history = [(row, book.value(row, "history")) for row in book.rows("history")] if ids else []
-    found += _replaced("history", history, lambda value: _with_id(value, ids))
+    found += book.history_changes(ids)
     for row in book.rows("marks") if ids else ():
         value = book.value(row, "marks")
         new = ids.get(str(value.get("id"))) if isinstance(value, dict) else None

@@ -271,10 +271,3 @@ export function factsText(finding: Finding): string {
     .filter(Boolean)
     .join(" · ");
 }
-
-/** A long text without its middle: names differ at their ends. */
-export function middleCut(text: string, most: number): string {
-  if (text.length <= most) return text;
-  const start = Math.ceil((most - 1) / 2);
-  return `${text.slice(0, start)}…${text.slice(text.length - (most - 1 - start))}`;
-}

@@ -3,16 +3,15 @@
 import { useSignalEffect } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
 import { formatCount } from "../math/units";
-import { factsText, lineOf, middleCut, nameA, nameB, relation, sentence, statusOf } from "../model/findings";
+import { factsText, lineOf, nameA, nameB, relation, sentence, statusOf } from "../model/findings";
 import { revisionText } from "../model/stale";
 import { useWorkbench } from "./context";
 import { NameField } from "./fields";
 import { Icon } from "./icons";
+import { Name } from "./names";
 import { useVirtualList } from "./virtual-list";
 
 const ROW_PX = 42;
-/** Characters of a part's name in a row; the whole is in its tooltip. */
-const MOST_NAME = 22;
 
 export function FindingRows() {
   const wb = useWorkbench();
@@ -117,6 +116,7 @@ function GroupLine({ index, line, isActive, choose }: LineProps & { index: numbe
       aria-level={1}
       aria-selected={false}
       aria-expanded={is_open}
+      aria-label={`${group.name} ${formatCount(group.count)}`}
       title={group.name}
       style={placeOf(line)}
       onClick={choose}
@@ -134,7 +134,9 @@ function GroupLine({ index, line, isActive, choose }: LineProps & { index: numbe
           />
         </span>
       ) : (
-        <bdi class="row-name">{middleCut(group.name, 40)}</bdi>
+        <span class="row-name">
+          <Name text={group.name} />
+        </span>
       )}
       {own > 0 && (
         <button
@@ -152,7 +154,7 @@ function GroupLine({ index, line, isActive, choose }: LineProps & { index: numbe
           <Icon name="close" size={14} />
         </button>
       )}
-      <span class="row-count">{formatCount(group.count)}</span>
+      <span class="row-count"> {formatCount(group.count)}</span>
     </div>
   );
 }
@@ -168,6 +170,9 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
   const is_current = findings.row.value === row;
   const whole = sentence(finding, unit);
   const earlier = revisionText(facts.stale, (part) => store.nameOf(part), [finding.part_a, finding.part_b]);
+  // Begins with the visible text of the row, so that speech input can name it.
+  const seen = [whole, factsText(finding), status === "new" ? "" : status, earlier && "earlier revision"];
+  const label = [seen.filter(Boolean).join(" "), status === "new" ? status : "", earlier].filter(Boolean).join(", ");
   const classes = ["finding", `status-${status}`, is_current ? "current" : "", `severity-${finding.severity}`];
   return (
     // biome-ignore lint/a11y/useKeyWithClickEvents: the list takes the keys of all its rows
@@ -178,7 +183,7 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
       aria-level={2}
       aria-selected={findings.chosen.value.has(row)}
       aria-current={is_current}
-      aria-label={`${whole}, ${status}${earlier && `, ${earlier}`}`}
+      aria-label={label}
       title={`${finding.path_a}\n${finding.path_b}${earlier && `\n${earlier}`}`}
       style={placeOf(line)}
       onClick={choose}
@@ -188,15 +193,16 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
           <bdi>{whole}</bdi>
         ) : (
           <>
-            <bdi class="first">{middleCut(nameA(finding), MOST_NAME)}</bdi> {relation(finding, unit)}{" "}
-            <bdi class="second">{middleCut(nameB(finding), MOST_NAME)}</bdi>
+            <Name text={nameA(finding)} title={finding.path_a} />
+            <span>{` ${relation(finding, unit)} `}</span>
+            <Name text={nameB(finding)} title={finding.path_b} />
           </>
         )}
-      </span>
+      </span>{" "}
       <span class="finding-line">
         <span class="note">{factsText(finding)}</span>
-        {status !== "new" && <span class="tag">{status}</span>}
-        {earlier && <strong class="stale">earlier revision</strong>}
+        {status !== "new" && <span class="tag"> {status}</span>}
+        {earlier && <strong class="stale"> earlier revision</strong>}
       </span>
     </div>
   );
