@@ -19,6 +19,15 @@ THROUGH = (
     np.array([[0.2, 0.2, 0.5], [0.8, 0.2, 0.5], [0.8, 0.8, 1.5], [0.2, 0.8, 1.5]]),
     np.array([[0, 1, 2], [0, 2, 3]]),
 )
+FLAT = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def sheet(height: float, low: float = 0.3, high: float = 0.7) -> Mesh:
+    """A level square."""
+    return np.array([[x, y, height] for x, y in ((low, low), (high, low), (high, high), (low, high))]), FLAT
+
+
+LID = box((0.3, 0.3, 0.9), (0.6, 0.6, 1))
 PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
     "one solid in both": (joined(SOLID, FAR_A), joined(SOLID, FAR_B), Verdict.CONTAINED, 0),
     "one solid in both, one beside it in a face": (
@@ -52,6 +61,14 @@ PAIRS: dict[str, tuple[Mesh, Mesh, Verdict, float]] = {
         0.4,
     ),
     "one inside, a sheet through a face": (SOLID, joined(INNER, THROUGH), Verdict.CLASH, 0.4),
+    "a sheet on a face, a solid apart": (SOLID, joined(sheet(1), FAR_A), Verdict.CONTACT, 0),
+    "a sheet inside, a solid apart": (SOLID, joined(sheet(0.9), FAR_A), Verdict.CONTAINED, 0.1),
+    "a sheet inside, a solid on a face": (SOLID, joined(sheet(0.9), BESIDE), Verdict.CONTAINED, 0.1),
+    "a sheet inside, one on a face": (SOLID, joined(sheet(0.9), sheet(1, 0.5, 1.5)), Verdict.CONTAINED, 0.1),
+    "a sheet inside, one through a face": (SOLID, joined(sheet(0.9), THROUGH), Verdict.CLASH, 0.3125),
+    "flush inside a face": (SOLID, LID, Verdict.CONTAINED, 0.1),
+    "flush inside a face, a sheet apart": (SOLID, joined(LID, sheet(5)), Verdict.CONTAINED, 0.1),
+    "flush inside a face, a solid apart": (SOLID, joined(LID, FAR_A), Verdict.CONTAINED, 0.1),
     "a plug larger than its hollow": (HOLLOW, box((-0.1, -0.1, -0.1), (1.1, 1.1, 1.1)), Verdict.CLASH, 0.1 * 3**0.5),
     "a lining sunk into its wall": (
         HOLLOW,
@@ -99,6 +116,41 @@ def test_contact_allows_a_plug_that_is_larger_than_its_hollow() -> None:
     for contact, verdict in ((1.7e-3, Verdict.CLASH), (1.8e-3, Verdict.CONTACT)):
         (row,) = feeler.clash(mockup, contact=contact)
         assert row.verdict == verdict and row.depth <= 1e-3 * 3**0.5 <= row.depth + row.depth_error
+
+
+def test_the_gravest_piece_decides_with_a_given_contact() -> None:
+    thin = box((0.3, 0.3, 0.96), (0.6, 0.6, 1))
+    pressed = box((0.95, 0.3, 0.3), (2, 0.6, 0.6))
+    upright = (np.array([[0.4, 0.5, 0.5], [0.4, 0.5, 1.02], [0.6, 0.5, 1.02], [0.6, 0.5, 0.5]]), FLAT)
+    for alone, verdict in (
+        (sheet(0.95), Verdict.CONTACT),
+        (sheet(0.8), Verdict.CONTAINED),
+        (thin, Verdict.CONTAINED),
+        (pressed, Verdict.CONTACT),
+        (upright, Verdict.CLASH),
+        (joined(INNER, pressed), Verdict.CONTAINED),
+        (joined(sheet(0.8), pressed), Verdict.CONTAINED),
+        (joined(thin, pressed), Verdict.CONTAINED),
+        (joined(INNER, upright), Verdict.CLASH),
+    ):
+        for more in ((), (FAR_A,), (sheet(5),), (FAR_A, sheet(5))):
+            for turn in (np.eye(3), random_turn(np.random.default_rng(len(more)))):
+                parts = {"a": SOLID, "b": joined(alone, *more)}
+                placed = {name: (mesh[0] @ turn.T, mesh[1]) for name, mesh in parts.items()}
+                (row,) = feeler.clash(mockup_of(placed), contact=0.1)
+                assert row.verdict == verdict
+
+
+def test_points_of_a_plug_larger_than_its_closed_hollow_are_the_deepest() -> None:
+    (row,) = feeler.clash(mockup_of({"a": HOLLOW, "b": box((-0.1, -0.1, -0.1), (1.1, 1.1, 1.1))}))
+    assert row.verdict == Verdict.CLASH and row.gap > 0
+    assert np.linalg.norm(np.subtract(row.point_a, row.point_b)) == pytest.approx(row.depth, rel=1e-3)
+
+
+def test_open_surfaces_that_cross_clash_beside_solids() -> None:
+    for one, other in ((joined(sheet(1), FAR_A), joined(THROUGH, FAR_B)), (joined(sheet(1), FAR_A), THROUGH)):
+        (row,) = feeler.clash(mockup_of({"a": one, "b": other}))
+        assert row.verdict == Verdict.CLASH and row.depth == pytest.approx(3 - 8**0.5, rel=2e-3)
 
 
 @pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3])

@@ -1,5 +1,5 @@
-//! Whether a part holds a solid of another while none of their other solids cross: parts of several solids, of which one
-//! lies inside the other part, or is in both.
+//! Parts of several pieces, solids with their hollows and open surfaces: which pieces the other part contains, and what
+//! is left without them.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use feeler_core::geometry::vectors::{add, along, cross, dot, length, scaled, sub
 use feeler_core::{Aabb, Point};
 
 use crate::point_depth::body::{distance_to, Body};
-use crate::point_depth::depth::{is_deeper_from, is_holding};
+use crate::point_depth::depth::{is_deeper, is_deeper_from, is_holding};
 
 /// Some triangles of a part, and the box around them.
 struct Piece {
@@ -38,35 +38,87 @@ pub fn may_share_solids(solids: &Solids<'_>, parts: [u32; 2], rounding: f64) -> 
     })
 }
 
-/// Whether one of two parts holds a solid of the other, and every other piece of either is held, or nowhere inside the other part: within
-/// `rounding`, metres. `bodies`: those of the parts.
-pub fn is_holding_a_solid(solids: &Solids<'_>, parts: [u32; 2], bodies: [&Body; 2], rounding: f64) -> bool {
+/// What makes a piece contained, metres.
+#[derive(Debug, Clone, Copy)]
+pub struct HoldLimits {
+    /// How far pieces of the other part may stick out of each, since its surface is uneven.
+    pub within: [f64; 2],
+    /// How deep solids are in each at least; a solid that is in both parts, how thick.
+    pub least: [f64; 2],
+    /// How deep open surfaces are at least.
+    pub contact: f64,
+}
+
+/// Of parts of several pieces, of which the other part contains some, what is left of each near the other; `None` of one that is left as
+/// it is. `bodies`: those of the parts. `has_sheets`: whether open surfaces may be contained, too.
+pub fn without_contained(
+    solids: &Solids<'_>,
+    parts: [u32; 2],
+    bodies: [&Body; 2],
+    limits: &HoldLimits,
+    has_sheets: bool,
+) -> Option<[Option<Body>; 2]> {
     let of = |i: usize| solids.of(parts[i]);
-    let count = |i: usize| of(i).shells().len();
-    if count(0).max(count(1)) < 2 {
-        return false;
-    }
     let box_of = |i: usize| &solids.mockup().part_bounds()[parts[i] as usize];
-    let may_hold = |i: usize| of(i).shells().iter().any(|shell| is_in(&shell.bounds, box_of(1 - i), rounding));
-    if !may_hold(0) && !may_hold(1) {
-        return false;
+    let is_single = |i: usize| of(i).shells().len() + of(i).open_surfaces().take(2).count() < 2;
+    let may_be_held = |i: usize| {
+        let is_within = |bounds: &Aabb| is_in(bounds, box_of(1 - i), limits.within[1 - i]);
+        let is_sheet_within = |own: u32| is_within(&Aabb::of_triangle(&of(i).triangle(own)));
+        of(i).shells().iter().any(|shell| is_within(&shell.bounds))
+            || has_sheets && of(i).open_surfaces().any(is_sheet_within)
+    };
+    if is_single(0) && is_single(1) {
+        return None;
     }
-    let mut is_held = false;
-    for i in 0..2 {
-        let (solid, other) = (of(i), bodies[1 - i]);
+    let left = [0, 1].map(|i| {
+        if !may_be_held(i) {
+            return None;
+        }
+        let (solid, other, within, least) = (of(i), bodies[1 - i], limits.within[1 - i], limits.least[1 - i]);
+        let (mut left, mut is_whole) = (Vec::new(), true);
         for piece in pieces(&solid) {
             if !piece.bounds.is_overlapping(box_of(1 - i)) {
                 continue;
             }
-            let body = body_of(&solid, &piece.triangles);
-            if is_in(&piece.bounds, box_of(1 - i), rounding) && is_holding([&body, other], rounding) {
-                is_held |= piece.is_solid && point_within(&body).is_some_and(|p| is_inside(other, &p));
-            } else if is_deeper_from([&body, other], rounding) {
-                return false;
+            let contains = || {
+                let body = body_of(&solid, &piece.triangles);
+                let is_deep_in_both =
+                    |p: Point| body.closest(&sub(&p, body.origin()), least).is_none() && is_inside(other, &p);
+                is_holding([&body, other], within)
+                    && match piece.is_solid {
+                        true => is_deeper([&body, other], least) || point_within(&body).is_some_and(is_deep_in_both),
+                        false => is_deeper_from([&body, other], limits.contact),
+                    }
+            };
+            if is_in(&piece.bounds, box_of(1 - i), within) && (piece.is_solid || has_sheets) && contains() {
+                is_whole = false;
+            } else {
+                left.extend(piece.triangles);
             }
         }
-    }
-    is_held
+        (!is_whole).then(|| body_of(&solid, &left))
+    });
+    left.iter().any(Option::is_some).then_some(left)
+}
+
+/// Whether a solid of one of two parts, of which no triangles cross, is inside the other. `bodies`: those of the parts.
+pub fn is_solid_inside(solids: &Solids<'_>, parts: [u32; 2], bodies: [&Body; 2]) -> bool {
+    (0..2).any(|i| {
+        let (solid, box_of_other) = (solids.of(parts[i]), &solids.mockup().part_bounds()[parts[1 - i] as usize]);
+        let is_near = |piece: &&Piece| piece.is_solid && piece.bounds.is_overlapping(box_of_other);
+        pieces(&solid).iter().filter(is_near).any(|piece| {
+            let body = body_of(&solid, &piece.triangles);
+            let corner = || add(&body.triangle(0)[0], body.origin());
+            is_inside(bodies[1 - i], &point_within(&body).unwrap_or_else(corner))
+        })
+    })
+}
+
+/// The open surfaces of a part.
+pub fn sheets_of(solids: &Solids<'_>, part: u32) -> Body {
+    let solid = solids.of(part);
+    let is_open = |own: &u32| solid.adjacency().outward[*own as usize] == 0;
+    body_of(&solid, &solid.triangles().filter(is_open).collect::<Vec<_>>())
 }
 
 /// Whether a solid of one of two closed parts, of which no triangles cross, is filled by the other beyond a hollow: the wall of the hollow
@@ -127,10 +179,17 @@ fn pieces(solid: &Solid<'_>) -> Vec<Piece> {
             None => found.push(hollow),
         }
     }
+    let mut add_open = |triangles: Vec<u32>| {
+        let bounds = triangles.iter().map(|own| Aabb::of_triangle(&solid.triangle(*own)));
+        let bounds = bounds.fold(Aabb::EMPTY, |all, own| all.union(&own));
+        found.push(Piece { triangles, bounds, is_solid: false, hollows: Vec::new() });
+    };
+    for first in solid.open_surfaces() {
+        add_open(connected(solid, first, &mut left));
+    }
     let rest: Vec<u32> = solid.triangles().filter(|own| left[*own as usize]).collect();
     if !rest.is_empty() {
-        let bounds = rest.iter().fold(Aabb::EMPTY, |all, own| all.union(&Aabb::of_triangle(&solid.triangle(*own))));
-        found.push(Piece { triangles: rest, bounds, is_solid: false, hollows: Vec::new() });
+        add_open(rest);
     }
     found
 }

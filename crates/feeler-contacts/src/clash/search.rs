@@ -314,7 +314,9 @@ impl<'a> ClashSearch<'a> {
             let apart = if is_cut_alike { PairLimits::rounding } else { PairLimits::copies_within };
             PointDepth { depth: 0.0, error: apart(&self.limits, parts[0], parts[1]), points: None }
         } else if a.is_closed() || b.is_closed() {
-            point_depth([&a, &b])
+            let deepest = point_depth([&a, &b]);
+            let sheets = (relation == Relation::Crossing).then(|| judge.crossing_of_sheets(parts)).flatten();
+            sheets.filter(|crossing| crossing.depth > deepest.depth).unwrap_or(deepest)
         } else {
             crossing_depth([&a, &b])
         };
@@ -419,16 +421,22 @@ impl<'a> ClashSearch<'a> {
         way: WayOut,
         is_open: [bool; 2],
     ) -> Clash {
+        // What lies in the other and meets nothing is shown where the surfaces are closest.
+        let points = depth.points.filter(|_| verdict == Verdict::Clash || way.gap == 0.0).unwrap_or(way.points);
+        let mut bounds = way.bounds;
+        if way.triangles == 0 {
+            bounds = Aabb::EMPTY;
+            points.iter().for_each(|p| bounds.grow(p));
+        }
         Clash {
             depth: depth.depth,
             depth_error: depth.error,
             kind,
             translation: way.translation,
             gap: way.gap,
-            // Of parts that meet nothing these are the closest places.
-            points: depth.points.filter(|_| way.gap == 0.0).unwrap_or(way.points),
+            points,
             triangles: way.triangles.min(u32::MAX as usize) as u32,
-            bounds: way.bounds,
+            bounds,
             ..Clash::of(parts, verdict, is_open)
         }
     }

@@ -11,13 +11,16 @@ use feeler_core::geometry::vectors::sub;
 use feeler_core::{Aabb, PairLimits};
 
 use super::copies::are_copies;
-use super::held_solids::{is_holding_a_solid, is_in, is_overfilled, may_share_solids};
+use super::held_solids::{
+    is_in, is_overfilled, is_solid_inside, may_share_solids, sheets_of, without_contained, HoldLimits,
+};
 use super::obvious::is_through;
 use super::row::Verdict;
 use crate::constants::SEAM_EXCESS;
 use crate::point_depth::bodies::Bodies;
 use crate::point_depth::body::Body;
-use crate::point_depth::depth::{is_deeper, is_holding, is_same_surface};
+use crate::point_depth::crossing::crossing_depth;
+use crate::point_depth::depth::{is_deeper, is_deeper_from, is_holding, is_same_surface, PointDepth};
 use crate::point_depth::walls::are_walls_clashing;
 
 /// How two parts collide, by exact signs.
@@ -113,16 +116,53 @@ impl Judge<'_> {
 
     /// Parts that are outside each other, but for solids that are in both.
     fn of_touching(&self, parts: [u32; 2]) -> Verdict {
-        let filed = self.filed(parts);
-        let is_sharing = may_share_solids(self.solids, parts, filed) && {
-            let [a, b] = self.bodies_of(parts);
-            is_holding_a_solid(self.solids, parts, [&a, &b], filed)
-        };
-        if is_sharing {
-            Verdict::Contained
-        } else {
-            Verdict::Contact
+        let may_share = may_share_solids(self.solids, parts, self.filed(parts));
+        may_share.then(|| self.of_pieces(parts, false)).flatten().unwrap_or(Verdict::Contact)
+    }
+
+    /// The gravest verdict of the pieces of two parts, where the other part contains some. `has_sheets`: whether these may be open surfaces.
+    fn of_pieces(&self, parts: [u32; 2], has_sheets: bool) -> Option<Verdict> {
+        let bodies = self.bodies_of(parts);
+        let whole = [&*bodies[0], &*bodies[1]];
+        let limits = self.hold_limits(parts, whole);
+        let left = without_contained(self.solids, parts, whole, &limits, has_sheets)?;
+        let left = [0, 1].map(|i| left[i].as_ref().unwrap_or(whole[i]));
+        Some(if self.is_clashing(parts, left) { Verdict::Clash } else { Verdict::Contained })
+    }
+
+    /// Whether two bodies are deeper in each other than contact allows, or clash as thin walls.
+    fn is_clashing(&self, parts: [u32; 2], bodies: [&Body; 2]) -> bool {
+        let (rounding, contact) = (self.limits.rounding(parts[0], parts[1]), self.limits.contact(parts[0], parts[1]));
+        is_deeper(bodies, contact) || contact > rounding && are_walls_clashing(bodies, contact)
+    }
+
+    /// From where on one of two parts holds the other, or a piece of it. Loose seams make a surface as uneven as they are wide.
+    fn hold_limits(&self, parts: [u32; 2], bodies: [&Body; 2]) -> HoldLimits {
+        let (rounding, filed) = (self.limits.rounding(parts[0], parts[1]), self.filed(parts));
+        let within = bodies.map(|body| filed.max(SEAM_EXCESS * body.looseness()));
+        let least = within.map(|within| match within {
+            _ if within > filed => SEAM_EXCESS * within,
+            _ if filed > rounding => filed,
+            _ => rounding,
+        });
+        HoldLimits { within, least, contact: self.limits.contact(parts[0], parts[1]) }
+    }
+
+    /// How deep the open surfaces of two parts cross that both have some; `None` where no part has closed ones besides.
+    pub fn crossing_of_sheets(&self, parts: [u32; 2]) -> Option<PointDepth> {
+        if !self.has_inside(parts) || !parts.iter().all(|part| self.has_sheets(*part)) {
+            return None;
         }
+        let [a, b] = self.bodies_of(parts);
+        let [a, b] = [(a, parts[0]), (b, parts[1])].map(|(body, part)| match body.is_closed() {
+            true => Arc::new(sheets_of(self.solids, part)),
+            false => body,
+        });
+        Some(crossing_depth([&a, &b]))
+    }
+
+    fn has_sheets(&self, part: u32) -> bool {
+        self.solids.of(part).open_surfaces().next().is_some()
     }
 
     /// How uneven rounding makes a surface, metres: in a file as much as copies may differ.
@@ -135,19 +175,30 @@ impl Judge<'_> {
         parts.iter().any(|part| self.solids.of(*part).is_closed())
     }
 
-    /// A part that another contains by exact signs. An open surface that is nowhere deeper than contact allows lies on the other part. What
-    /// is larger than the hollow that it fills is not contained.
+    /// A part that another contains by exact signs, or some pieces of it. Open surfaces that are nowhere deeper than contact allows lie on
+    /// the other part. What is larger than the hollow that it fills is not contained.
     fn of_held(&self, parts: [u32; 2]) -> Verdict {
-        if parts.iter().all(|part| self.solids.of(*part).is_closed()) {
-            let within = self.limits.copies_within(parts[0], parts[1]);
-            return if is_overfilled(self.solids, parts, within, || self.bodies_of(parts)) {
-                self.of_overlap(parts)
-            } else {
-                Verdict::Contained
-            };
+        let (within, contact) =
+            (self.limits.copies_within(parts[0], parts[1]), self.limits.contact(parts[0], parts[1]));
+        let are_closed = parts.map(|part| self.solids.of(part).is_closed());
+        if are_closed == [true; 2] && is_overfilled(self.solids, parts, within, || self.bodies_of(parts)) {
+            return self.of_overlap(parts);
+        }
+        let has_sheets = parts.map(|part| self.has_sheets(part));
+        if are_closed == [true; 2] && has_sheets == [false; 2] {
+            return Verdict::Contained;
         }
         let [a, b] = self.bodies_of(parts);
-        if is_deeper([&a, &b], self.limits.contact(parts[0], parts[1])) {
+        let is_sheet_deep = |i: usize, other: &Body| {
+            has_sheets[i] && is_deeper_from([&sheets_of(self.solids, parts[i]), other], contact)
+        };
+        let is_contained = match are_closed {
+            [true, true] => {
+                is_solid_inside(self.solids, parts, [&a, &b]) || is_sheet_deep(0, &b) || is_sheet_deep(1, &a)
+            }
+            _ => is_deeper([&a, &b], contact),
+        };
+        if is_contained {
             Verdict::Contained
         } else {
             Verdict::Contact
@@ -194,44 +245,41 @@ impl Judge<'_> {
         if !a.is_closed() && !b.is_closed() {
             return None;
         }
-        let [p, q] = self.boxes_of(parts);
-        // Loose seams make a surface as uneven as they are wide.
-        let filed = self.filed(parts);
-        let [within_a, within_b] = [&a, &b].map(|body| filed.max(SEAM_EXCESS * body.looseness()));
-        let least = |within: f64| match within {
-            _ if within > filed => SEAM_EXCESS * within,
-            _ if filed > rounding => filed,
-            _ => 0.0,
-        };
-        let is_held = || {
-            let is_in_other = |[p, q]: [&Aabb; 2], pair: [&Body; 2], within: f64| {
-                is_in(p, q, within) && is_holding(pair, within) && is_deeper(pair, least(within))
-            };
-            is_in_other([&p, &q], [&a, &b], within_b) || is_in_other([&q, &p], [&b, &a], within_a)
-        };
-        let is_solid_held = || is_holding_a_solid(self.solids, parts, [&a, &b], filed);
-        if is_deeper([&a, &b], contact) {
-            return Some(if is_held() || is_solid_held() { Verdict::Contained } else { Verdict::Clash });
+        if self.crossing_of_sheets(parts).is_some_and(|crossing| crossing.depth > contact) {
+            return Some(Verdict::Clash);
         }
-        if may_share_solids(self.solids, parts, filed) && is_solid_held() {
+        let is_deep = is_deeper([&a, &b], contact);
+        if is_deep && self.is_held(parts, [&a, &b]) {
             return Some(Verdict::Contained);
         }
-        // A thin part that only rounding keeps from being contained.
-        let is_in_box = is_in(&p, &q, within_b) || is_in(&q, &p, within_a);
+        // No deeper than contact allows are solids in both parts, and thin ones that only rounding keeps from being contained.
+        if is_deep || contact > rounding || may_share_solids(self.solids, parts, self.filed(parts)) {
+            if let Some(verdict) = self.of_pieces(parts, is_deep) {
+                return Some(verdict);
+            }
+        }
         let are_closed = a.is_closed() && b.is_closed();
-        if are_closed && contact > rounding && is_in_box && is_deeper([&a, &b], rounding) && is_held() {
+        if !is_deep && are_closed && contact > rounding && self.is_held(parts, [&a, &b]) {
             return Some(Verdict::Contained);
         }
-        let is_pierced = contact > rounding && are_walls_clashing([&a, &b], contact);
-        Some(if is_pierced { Verdict::Clash } else { Verdict::Contact })
+        let is_clashing = is_deep || contact > rounding && are_walls_clashing([&a, &b], contact);
+        Some(if is_clashing { Verdict::Clash } else { Verdict::Contact })
+    }
+
+    /// Whether one of two parts holds all of the other.
+    fn is_held(&self, parts: [u32; 2], [a, b]: [&Body; 2]) -> bool {
+        let [p, q] = self.boxes_of(parts);
+        let HoldLimits { within, least, .. } = self.hold_limits(parts, [a, b]);
+        let is_in_other = |[p, q]: [&Aabb; 2], pair: [&Body; 2], holder: usize| {
+            is_in(p, q, within[holder]) && is_holding(pair, within[holder]) && is_deeper(pair, least[holder])
+        };
+        is_in_other([&p, &q], [a, b], 1) || is_in_other([&q, &p], [b, a], 0)
     }
 
     /// Closed parts that share material, and of which none contains the other.
     fn of_overlap(&self, parts: [u32; 2]) -> Verdict {
-        let (rounding, contact) = (self.limits.rounding(parts[0], parts[1]), self.limits.contact(parts[0], parts[1]));
         let [a, b] = self.bodies_of(parts);
-        let is_pierced = || contact > rounding && are_walls_clashing([&a, &b], contact);
-        if is_deeper([&a, &b], contact) || is_pierced() {
+        if self.is_clashing(parts, [&a, &b]) {
             Verdict::Clash
         } else {
             Verdict::Contact

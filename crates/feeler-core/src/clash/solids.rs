@@ -122,6 +122,11 @@ impl<'a> Solid<'a> {
         !self.shells().is_empty()
     }
 
+    /// The first triangle of each of its open surfaces, by its own number.
+    pub fn open_surfaces(&self) -> impl Iterator<Item = u32> + Clone + 'a {
+        self.adjacency.open_surfaces_of(self.number()).iter().map(|[_, own]| *own)
+    }
+
     fn fillings(&self) -> Vec<Triangle> {
         if !self.adjacency.is_loose() {
             return Vec::new();
@@ -132,10 +137,9 @@ impl<'a> Solid<'a> {
 
     /// A corner of each of its connected surfaces.
     pub fn corners_of_surfaces(&self) -> impl Iterator<Item = Point> + 'a {
-        let (solid, adjacency) = (*self, self.adjacency);
-        let open = adjacency.open_surfaces_of(self.number()).iter().map(|[_, own]| *own);
+        let solid = *self;
         let closed = self.shells().iter().map(|shell| shell.first);
-        open.chain(closed).map(move |own| solid.triangle(own)[0])
+        self.open_surfaces().chain(closed).map(move |own| solid.triangle(own)[0])
     }
 }
 
