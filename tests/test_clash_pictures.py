@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from clash_scene import house
 
 import feeler
@@ -50,3 +51,27 @@ def test_the_page_tells_its_progress(tmp_path: Any) -> None:
     write_html(tmp_path / "a.html", found, mockup, progress=lambda share, stage: told.append((share, stage)))
     shares = [share for share, _ in told]
     assert len(told) >= len(found.groups()) and shares == sorted(shares) and 0.0 <= shares[0] <= shares[-1] <= 1.0
+
+
+@pytest.mark.parametrize("gap", [0.001, 0.074])
+def test_both_parts_of_a_gap_are_seen(monkeypatch: pytest.MonkeyPatch, gap: float) -> None:
+    """Whichever lies towards the camera: a cut does not remove it, and the picture reaches over the gap."""
+    taken: list[Any] = []
+    monkeypatch.setattr(pictures, "write_png", lambda _out, image: taken.append(image))
+    box = trimesh.creation.box((0.02, 0.02, 0.02))
+    for axis in range(3):
+        for side in (1.0, -1.0):
+            away = np.zeros(3)
+            away[axis] = side * (0.02 + gap)
+            mockup = feeler.Mockup(
+                np.concatenate([box.vertices, box.vertices + away]),
+                np.concatenate([box.faces, box.faces + 8]),
+                np.repeat([0, 1], 12),
+                ["a", "b"],
+            )
+            (found,) = feeler.clash(mockup, 0.1)
+            Pictures(mockup).png(found)
+            image = taken.pop().astype(int)
+            blue = (image[..., 2] > image[..., 0] + 40).mean()
+            orange = (image[..., 0] > image[..., 2] + 60).mean()
+            assert blue > 0.002 and orange > 0.002, (axis, side, blue, orange)

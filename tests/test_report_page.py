@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from workbench_scene import stand
 import feeler
 from feeler.clashes import write_html
 from feeler.workbench.document.document import Document
+from feeler.workbench.report.html_style import CHUNK, STYLE, chunk_class
 from feeler.workbench.session.export import sequence_html
 
 playwright = pytest.importorskip("playwright.sync_api")
@@ -97,3 +99,10 @@ def test_pages_of_commands_fit_a_narrow_window(tmp_path: Path) -> None:
             assert page.evaluate("document.documentElement.scrollWidth") == 320, path.name
             assert page.locator("main").count() == 1, path.name
         browser.close()
+
+
+@pytest.mark.parametrize("rows", [1, 2, 9, 200, CHUNK])
+def test_tables_that_are_not_laid_out_reserve_about_their_height(rows: int) -> None:
+    power = chunk_class(rows).rpartition("-")[2]
+    (reserved,) = re.findall(rf"\.chunk-{power} {{ contain-intrinsic-size: auto (\d+)px", STYLE)
+    assert 0.5 < int(reserved) / (75 + 70 * rows) < 2.0

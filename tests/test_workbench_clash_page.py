@@ -270,7 +270,7 @@ def test_findings_say_how_sure_they_are_and_nothing_twice(context: Any, pegs: Pa
         page = opened(context, started)
         page.keyboard.press("Alt+6")
         page.locator(".finding").first.wait_for()
-        said = [each.inner_text().replace("\n", " ") for each in page.locator(".finding").all()]
+        said = [" ".join(each.inner_text().split()) for each in page.locator(".finding").all()]
         assert [each.split(" clash")[0] for each in said] == [
             "peg_1 is 73.3 mm deep in plate",
             "peg_1 is at most 73.3 mm deep in plate",

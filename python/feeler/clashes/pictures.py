@@ -33,6 +33,9 @@ _REACH = 1.6
 
 _LEAST_VIEW_M = 1e-6
 
+_LEAST_CUT = 1e-6
+"""Of the reach: the least that a section leaves of each part."""
+
 _FAR = 8.0
 """A part whose box is more than this many times the reach is drawn only near the contact."""
 
@@ -94,13 +97,14 @@ class Pictures:
         self._kept: OrderedDict[int, _Triangles] = OrderedDict()
 
     def view(self, clash: Pair) -> View:
-        """The camera for a finding. It shows all of the smaller part, and the larger part around it."""
+        """The camera for a finding. It shows all of the smaller part, both points, and the larger part around it."""
         boxes = [self._bounds[clash.a], self._bounds[clash.b]]
         box = min(boxes, key=lambda each: float(np.linalg.norm(each[1] - each[0])))
-        point = (np.array(clash.point_a) + np.array(clash.point_b)) / 2
-        if not np.isfinite(point).all():
-            point = box.mean(axis=0)
-        low, high = np.minimum(box[0], point), np.maximum(box[1], point)
+        points = np.array([clash.point_a, clash.point_b])
+        if not np.isfinite(points).all():
+            points = box.mean(axis=0)[None]
+        point = points.mean(axis=0)
+        low, high = np.minimum(box[0], points.min(axis=0)), np.maximum(box[1], points.max(axis=0))
         reach = max(float(np.linalg.norm(high - low)) / 2 * _REACH, _LEAST_VIEW_M)
         middle = (low + high) / 2
         direction, up = usual_view([low, high])
@@ -110,20 +114,22 @@ class Pictures:
         return View(camera, point, -np.sign(direction[axis]) * np.eye(3)[axis], reach)
 
     def png(self, clash: Pair, others: Callable[[View], Sequence[Body]] | None = None) -> bytes:
-        """The picture as PNG, cut at the contact: first part blue, second part orange, translation red.
+        """The picture as PNG, cut at the contact: first part blue, second part orange, translation or gap red.
 
-        others: bodies to show faintly around them.
+        It is not cut if that would remove a part as a whole. others: bodies to show faintly around them.
         """
         view = self.view(clash)
         middle = np.array(view.camera.target)
         bodies = [self._body(clash.a, 0, middle, view.reach), self._body(clash.b, 1, middle, view.reach)]
-        start = view.point
-        way = np.array(clash.translation)
-        if not np.nan_to_num(way).any():
-            way = np.subtract(clash.point_b, clash.point_a)
+        start, way = view.point, np.array(clash.translation)
+        points = np.array([clash.point_a, clash.point_b])
+        if not np.nan_to_num(way).any() and np.isfinite(points).all():
+            start, way = points[0], points[1] - points[0]
         line = bars(start[None], (start + np.nan_to_num(way))[None], view.reach * 0.012, ["way"], RED)
         shown = [body for body in bodies if len(body.faces)]
-        section = Section(triple(start), triple(view.normal))
+        ahead = (self._bounds[[clash.a, clash.b]] - view.point) @ view.normal  # of both ends of their boxes
+        is_cut = bool((ahead.min(axis=1) < -_LEAST_CUT * view.reach).all())
+        section = Section(triple(view.point), triple(view.normal)) if is_cut else None
         ghosts = [] if others is None else others(view)
         picture = Ghosts(ghosts, view.camera, SIZE, section).picture(*shown, *([line] if line is not None else []))
         out = io.BytesIO()

@@ -14,7 +14,7 @@ from feeler.choices import STATUSES
 from feeler.tasks.steps import clock
 from feeler.words import length, plural
 from feeler.workbench.report.content import name_of
-from feeler.workbench.report.html_style import SCRIPT, STYLE
+from feeler.workbench.report.html_style import CHUNK, SCRIPT, STYLE, chunk_class
 from feeler.workbench.report.values import (
     FindingRow,
     MaintenanceRow,
@@ -33,15 +33,13 @@ MOST_LISTED = 300
 PAGE = "mock-up.html"
 """The name of the page with the mock-up, among the files of a report."""
 _LIST_HEAD = (
-    "<div class=chunk><table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
-    "<th>Note, history<th class=number>At, m</tr></thead>"
+    "<table class=rows><thead><tr><th>No.<th>Verdict<th>Depth or gap<th>Parts<th>Group"
+    "<th>Note, history<th class=number>At, m</tr></thead><tbody>"
 )
 _CURVE = (600, 90)
 """Width and height of the drawing of gaps."""
 _SCROLL = "<div class=scroll tabindex=0>"
 """Around a wide table: the keyboard scrolls it."""
-_CHUNK = 200
-"""Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
 _OPEN = ("new", "active")
 _VERBS = {"undo": "#3b82c4", "disconnect": "#b97a1a", "take out": "#3f9163"}
 """Colours of the bars of a task."""
@@ -429,12 +427,12 @@ class _Page:
             _SCROLL,
         ]
         for key, mine in _runs(rows):
-            for begin in range(0, len(mine), _CHUNK):
-                some = mine[begin : begin + _CHUNK]
+            for begin in range(0, len(mine), CHUNK):
+                some = mine[begin : begin + CHUNK]
                 said = f"{key}: {len(mine):,}"
-                if len(mine) > _CHUNK:
+                if len(mine) > CHUNK:
                     said += f" ({begin + 1:,} to {begin + len(some):,})"
-                found.append(f"{_LIST_HEAD}<tbody><tr><th colspan=7>{_text(said)}</tr>")
+                found.append(f'<div class="{chunk_class(len(some))}">{_LIST_HEAD}<tr><th colspan=7>{_text(said)}</tr>')
                 found += [self._finding_line(row) for row in some]
                 found.append("</tbody></table></div>")
         return [*found, "</div>"]

@@ -78,7 +78,7 @@ tbody th { background: var(--card); font-size: 14px; }
 td.number, th.number { text-align: right; }
 td.number, .short { white-space: nowrap; } td.at { font-size: 12px; white-space: normal; }
 .narrow { width: auto; min-width: 340px; }
-.chunk { content-visibility: auto; contain-intrinsic-size: auto 14000px; }
+.chunk { content-visibility: auto; }
 .rows { table-layout: fixed; margin: 0; } .rows tbody td { overflow-wrap: break-word; }
 .rows th:nth-child(1) { width: 6%; } .rows th:nth-child(2) { width: 10%; } .rows th:nth-child(3) { width: 12%; }
 .rows th:nth-child(4) { width: 28%; } .rows th:nth-child(5) { width: 18%; } .rows th:nth-child(6) { width: 16%; }
@@ -117,6 +117,23 @@ footer { color: var(--soft); font-size: 13px; padding-top: 28px; padding-bottom:
   .chunk { content-visibility: visible; }
 }
 """
+
+CHUNK = 256
+"""Findings of one table: browsers lay out only the tables that are near the window, in long lists."""
+
+_ROW_PX, _HEAD_PX = 70, 75
+"""Usual heights of a row of these tables and of its heads, which browsers reserve for those that are not laid out."""
+
+
+def chunk_class(rows: int) -> str:
+    """The class of a table of so many findings, which says about how high it is."""
+    return f"chunk chunk-{(rows - 1).bit_length()}"
+
+
+STYLE += "".join(
+    f".chunk-{power} {{ contain-intrinsic-size: auto {_HEAD_PX + _ROW_PX * (3 << power) // 4}px; }}\n"
+    for power in range(CHUNK.bit_length())
+)
 
 SCRIPT = """
 "use strict";
