@@ -442,5 +442,5 @@ def test_names_are_given_when_a_mesh_is_made() -> None:
         for name in ("part_names", "part_paths"):
             with pytest.raises(AttributeError):
                 setattr(made, name, ["b"])
-            assert getattr(made, name) == ["a"] == [made.parts[0].name]
-        assert getattr(pickle.loads(pickle.dumps(made)), name) == ["a"]
+            assert getattr(made, name) == ("a",) == (made.parts[0].name,)
+        assert getattr(pickle.loads(pickle.dumps(made)), name) == ("a",)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from workbench_scene import PATHS, stand
 import feeler
 from feeler.cli.projects import open_named
 from feeler.io import write_glb
+from feeler.workbench.report.content import report_of
+from feeler.workbench.report.source import of_book
 
 
 def test_statuses_have_a_history_and_keep_their_notes(tmp_path: Path) -> None:
@@ -36,6 +39,39 @@ def test_statuses_have_a_history_and_keep_their_notes(tmp_path: Path) -> None:
         now = project.clashes()
         assert now is not None and now[0].status == "approved" and now[0].note == "look"
         assert now.shapes is not None and len(now) == len(found)
+
+
+def test_who_decides_in_the_workbench_is_kept(tmp_path: Path) -> None:
+    """By the name that they chose; a guest without one and a script have none."""
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.load_findings(feeler.clashes.report(feeler.clash(stand(), 0.01)))
+    version = session.document()["findings"]["version"]
+    ada, guest = session.people.join(), session.people.join()
+    session.people.name(ada, "Ada")
+    session.command("finding_mark", {"version": version, "rows": [0], "status": "approved"}, ada)
+    session.command("finding_mark", {"version": version, "rows": [1], "note": "look"}, ada)
+    session.command("finding_mark", {"version": version, "rows": [2], "status": "reviewed"}, guest)
+    session.command("finding_mark", {"version": version, "rows": [0], "note": "drawn so"}, guest)
+    saved(session)
+    session.command("finding_mark", {"version": version, "rows": [0], "status": "active"}, guest)
+    saved(session)
+    session.command("undo", {}, guest)
+    session.command("finding_mark", {"version": version, "rows": [0], "status": "approved"}, guest)  # as it is
+    before = saved(session)
+    session.close()
+    session = opened(path)
+    assert saved(session) == before
+    session.close()
+    with feeler.open_project(path) as project:
+        found = project.clashes()
+        assert found is not None and [row.by for row in found] == ["Ada", "Ada", ""]
+        lines = [(line["status"], line["by"]) for line in project.history(found[0].id)]
+        assert lines[-1] == ("approved", "Ada") and ("active", "") in lines
+    book, now = open_named(path), datetime.datetime.now(datetime.timezone.utc)
+    by = {row.id: row.by for row in report_of(of_book(book, stand()), now).findings}
+    book.close()
+    assert [by[row.id] for row in found] == ["Ada", "Ada", ""]
 
 
 def test_people_said_the_same_in_the_workbench_and_out_of_it(tmp_path: Path) -> None:

@@ -246,14 +246,17 @@ class Check:
     gripped: tuple[int, ...]
 
 
+_UNSEEN = ("table", "aside", "authors")
+
+
 @dataclass(frozen=True)
 class Findings:
     """The findings of a clash check, and what people did with them.
 
-    table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. own_groups:
-    made by hand, and `members` the group of a finding by its id. check: None for findings of a file. aside: the marks
-    of findings that an exclusion hides, for when it is gone; pages do not see them. stale: parts that differ since,
-    also those without findings.
+    table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. authors: who
+    set these, or an empty name; pages do not see them. own_groups: made by hand, and `members` the group of a finding
+    by its id. check: None for findings of a file. aside: the marks of findings that an exclusion hides, for when it is
+    gone; pages do not see them. stale: parts that differ since, also those without findings.
     """
 
     table: FindingTable
@@ -265,11 +268,12 @@ class Findings:
     check: Check | None = None
     aside: Mapping[str, Mark] = field(default_factory=lambda: MappingProxyType({}))
     stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
+    authors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def mark_of(self, name: str) -> Mark:
         """The mark of a finding, in the table or aside."""
         if name in self.table.row_of:
-            return self.table.mark_of(name, self.status, self.notes)
+            return self.table.mark_of(name, self.status, self.notes, self.authors)
         return self.aside.get(name, NEW)
 
     def to_json(self) -> dict[str, Any]:
@@ -279,7 +283,7 @@ class Findings:
             "count": len(self.table),
             "counts": self.table.counts,
             "hidden": dict(self.table.hidden),
-            **{f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name not in ("table", "aside")},
+            **{f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name not in _UNSEEN},
         }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Protocol
@@ -39,6 +39,10 @@ class KnownFindings(Protocol):
     def findings(self) -> Findings | None:
         """Those that a job found, for `findings_take`."""
 
+    @property
+    def author(self) -> str:
+        """Who gives the command; empty without a name."""
+
 
 def findings_open(document: Document, given: Arguments, known: KnownFindings) -> Document:
     """Opens the findings of a clash check, as `feeler clash --json` writes them."""
@@ -68,17 +72,17 @@ def findings_close(document: Document, given: Arguments, _known: KnownFindings) 
     return replace(document, findings=None)
 
 
-def finding_status(document: Document, given: Arguments, _known: KnownFindings) -> Document:
+def finding_status(document: Document, given: Arguments, known: KnownFindings) -> Document:
     """Sets the status of a finding."""
     found, name = _of(document, given), given.text("id")
     if name not in found.table.row_of:
         raise given.fail(
             "id", f"there is no finding {shown(name)}", "give one of Project.findings, or of the page's rows"
         )
-    return _with_status(document, found, [name], given.choice("status", STATUS))
+    return _with_status(document, found, [name], given.choice("status", STATUS), known.author)
 
 
-def finding_mark(document: Document, given: Arguments, _known: KnownFindings) -> Document:
+def finding_mark(document: Document, given: Arguments, known: KnownFindings) -> Document:
     """Sets the status, the note or the own group (its id; 0: none) of findings.
 
     `version`: that of the findings that are open; the command fails for another. `rows`: indices into their rows.
@@ -86,14 +90,16 @@ def finding_mark(document: Document, given: Arguments, _known: KnownFindings) ->
     found = _of(document, given)
     names = _named(found, given)
     if given.has("status"):
-        document = _with_status(document, found, names, given.choice("status", STATUS))
+        document = _with_status(document, found, names, given.choice("status", STATUS), known.author)
     if given.has("note"):
         text: Any = given.raw("note", str)
         if not isinstance(text, str) or len(text) > _MOST_NOTE:
             raise given.fail("note", "it is not text, or too long", f"send at most {_MOST_NOTE} characters")
         found = _of(document, given)
         notes = findings.changed(found.notes, dict.fromkeys(names, text), found.table.note_of)
-        document = replace(document, findings=replace(found, notes=notes))
+        # Who approved stays who approved, whoever writes a note later.
+        unsigned = [name for name in names if not found.mark_of(name).by]
+        document = replace(document, findings=_by(replace(found, notes=notes), found, unsigned, known.author))
     if given.has("group"):
         found = _of(document, given)
         number = given.whole("group")
@@ -192,9 +198,17 @@ def _named(found: Findings, given: Arguments) -> list[str]:
     return [table.ids[row] for row in rows]
 
 
-def _with_status(document: Document, found: Findings, names: Iterable[str], status: FindingStatus | str) -> Document:
+def _with_status(
+    document: Document, found: Findings, names: Collection[str], status: FindingStatus | str, author: str
+) -> Document:
     made: Mapping[str, str] = findings.changed(found.status, dict.fromkeys(names, status), found.table.status_of)
-    return replace(document, findings=replace(found, status=made))
+    return replace(document, findings=_by(replace(found, status=made), found, names, author))
+
+
+def _by(made: Findings, before: Findings, names: Iterable[str], author: str) -> Findings:
+    """Findings with the author of those that have another status or note than before."""
+    differ = (name for name in names if made.mark_of(name) != before.mark_of(name))
+    return findings.signed(made, dict.fromkeys(differ, author))
 
 
 def _moved(found: Findings, names: Iterable[str], group: int) -> Findings:

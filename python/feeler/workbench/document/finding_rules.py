@@ -90,6 +90,7 @@ def excluded(found: Findings, parts: Parts, name: str, a: str, b: str) -> Findin
         table=found.table.rows(~mask, hidden),
         status=_others(found.status, names),
         notes=_others(found.notes, names),
+        authors=_others(found.authors, names),
         aside=MappingProxyType({**found.aside, **dict(sorted(marks.items()))}),
     )
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -146,14 +146,18 @@ class FindingTable:
         """The note of a finding when the table was made."""
         return self.marks[name].note if name in self.marks else ""
 
-    def mark_of(self, name: str, status: Mapping[str, str], notes: Mapping[str, str]) -> Mark:
-        """The mark of a finding, with the statuses and notes that people set since: by the finding's id."""
+    def mark_of(
+        self, name: str, status: Mapping[str, str], notes: Mapping[str, str], authors: Mapping[str, str]
+    ) -> Mark:
+        """The mark of a finding, with the statuses and notes that people set since, and who they are: by the finding's
+        id."""
         row = self.row_of[name]
         was: Status = STATUS[self.status[row]]
         before = self.marks.get(name, Mark(was))
         word = cast("Status", status.get(name, was))
         # The person and the approval belong to the status of then.
-        mark = replace(before, status=word, note=notes.get(name, before.note), by=before.by if word == was else "")
+        by = authors.get(name, before.by if word == was else "")
+        mark = replace(before, status=word, note=notes.get(name, before.note), by=by)
         if word != "approved":
             return approved(mark, None)
         return mark if word == was and mark.approved_depth is not None else approved(mark, self.found(row))
@@ -257,9 +261,8 @@ class FindingTable:
             "group": self.groups[self.group[row]],
         }
 
-    def clashes(self, mockup: Mockup, status: Mapping[str, str], notes: Mapping[str, str]) -> Clashes:
-        """The findings of this mock-up's parts with these statuses and notes, for `feeler.clashes`. Others are left
-        out."""
+    def clashes(self, mockup: Mockup, mark_of: Callable[[str], Mark]) -> Clashes:
+        """The findings of this mock-up's parts with their marks by id, for `feeler.clashes`. Others are left out."""
         known, kept = self.part_of_path, self.placed
         codes = np.array([_CODES.get(word, Verdict.CLASH.code) for word in self.verdicts] or [0])
         values = {
@@ -276,7 +279,7 @@ class FindingTable:
         facts = replace(self.facts, files=mockup.source.files or self.facts.files, hidden=hidden)
         made = Clashes(columns, mockup.part_paths, self.rules, facts=facts)
         names = zip(made.ids, kept.tolist(), strict=True)
-        made.marks.replace({now: self.mark_of(self.ids[row], status, notes) for now, row in names})
+        made.marks.replace({now: mark_of(self.ids[row]) for now, row in names})
         return made
 
 

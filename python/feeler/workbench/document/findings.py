@@ -76,7 +76,12 @@ def saved(found: Findings) -> dict[str, Any]:
     facts = found.to_json()
     kept = ("status", "notes", "own_groups", "members", "is_touching_hidden", "check")
     aside = {name: mark_json(mark) for name, mark in found.aside.items()}
-    return {"table": found.table.to_json(), **{name: facts[name] for name in kept}, "aside": aside}
+    return {
+        "table": found.table.to_json(),
+        **{name: facts[name] for name in kept},
+        "authors": dict(found.authors),
+        "aside": aside,
+    }
 
 
 def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
@@ -94,6 +99,7 @@ def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
             bool(data["is_touching_hidden"]),
             None if check is None else _check(check),
             MappingProxyType({str(name): mark_of_json(mark) for name, mark in data.get("aside", {}).items()}),
+            authors=MappingProxyType({str(name): str(by) for name, by in data.get("authors", {}).items()}),
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise LoadError(f"the saved findings cannot be read: {error!r}") from None
@@ -117,6 +123,13 @@ def changed(before: Mapping[str, Any], more: Mapping[str, Any], base: Callable[[
     return MappingProxyType({**kept, **{name: value for name, value in more.items() if base(name) != value}})
 
 
+def signed(found: Findings, authors: Mapping[str, str]) -> Findings:
+    """The findings with who set the statuses and notes of some of them; those whose mark says so need no entry."""
+    bare = replace(found, authors=MappingProxyType({n: by for n, by in found.authors.items() if n not in authors}))
+    own = {name: by for name, by in authors.items() if bare.mark_of(name).by != by}
+    return replace(bare, authors=MappingProxyType({**bare.authors, **own}))
+
+
 def carried(found: Findings, now: Findings | None, since: Findings | None) -> Findings:
     """Findings of a check, with what people did while it ran. since: the findings when it began."""
     if now is None:
@@ -130,8 +143,9 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
         name: mark.status for name, mark in differ.items() if name in here and changes[name][0].status != mark.status
     }
     notes = {name: mark.note for name, mark in differ.items() if name in here and changes[name][0].note != mark.note}
+    authors = {name: mark.by for name, mark in differ.items() if name in here}
     aside = {name: mark for name, mark in {**found.aside, **now.aside, **differ}.items() if name not in here}
-    return replace(
+    made = replace(
         found,
         status=changed(found.status, status, found.table.status_of),
         notes=changed(found.notes, notes, found.table.note_of),
@@ -140,3 +154,4 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
         is_touching_hidden=now.is_touching_hidden,
         aside=MappingProxyType(aside),
     )
+    return signed(made, authors)

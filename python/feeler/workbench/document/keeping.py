@@ -292,7 +292,9 @@ def _marked(table: FindingTable, marks: Mapping[str, Mapping[str, Any]]) -> dict
     members = {
         name: _decoded(mark[_GROUP], int, "a group of a finding") for name, mark in marks.items() if _GROUP in mark
     }
+    bare = Findings(table)
     found: dict[str, dict[str, Any]] = {
+        "authors": {each: mark.by for each, mark in rows.items() if mark.by != bare.mark_of(each).by},
         "status": {each: mark.status for each, mark in rows.items() if mark.status != table.status_of(each)},
         "notes": {each: mark.note for each, mark in rows.items() if mark.note != table.note_of(each)},
         "members": members,

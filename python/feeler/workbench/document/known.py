@@ -48,7 +48,8 @@ class Known:
     tool_pose: where a newly taken tool is free. trip: of the parts in the hand, and their smallest clearance on it.
     absent: parts that were excluded when the mock-up was opened. findings: those that a job found. ways: of
     answered cards, by their number. mechanism: one that is opened. joints: the numbers of a position, and the poses of
-    its links. joint_steps: moves of joints, each with what moves alike: parts, way, starts.
+    its links. joint_steps: moves of joints, each with what moves alike: parts, way, starts. author: the name of who
+    gives the command; empty if they chose none.
     """
 
     parts: Parts
@@ -65,6 +66,7 @@ class Known:
     mechanism: MechanismState | None = None
     joints: tuple[Mapping[str, float], tuple[Row, ...]] | None = None
     joint_steps: tuple[tuple[JointStep, list[Along]], ...] = ()
+    author: str = ""
 
     @property
     def there(self) -> tuple[int, ...]:

@@ -215,8 +215,8 @@ class _Writer:
         group = table.groups[table.group[row]]
         if found is not None:
             group = self._own_groups.get(found.members.get(name, -1), group)
-            by = by if found.status.get(name, status) == status else ""
-            status, note = found.status.get(name, status), found.notes.get(name, note)
+            own = found.mark_of(name)
+            status, note, by = own.status, own.note, own.by
         sides = [int(table.part_of_path[side[row]]) for side in (table.a, table.b)]
         a, b = (cut(table.paths[side[row]]) for side in (table.a, table.b))
         verdict = table.verdicts[table.verdict[row]]

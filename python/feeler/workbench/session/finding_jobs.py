@@ -147,17 +147,19 @@ def findings_bcf(place: FindingPlace, given: Arguments, progress: Progress) -> T
     name = given.text("name")
     topics = topics_in(io.BytesIO(place.files.read(given.whole("files"))), name)
     progress(_READ, "reading")
-    clashes = found.table.clashes(place.scene.mockup, found.status, found.notes)
+    clashes = found.table.clashes(place.scene.mockup, found.mark_of)
     changes = room.apply_bcf(clashes, topics)
     names = [found.table.ids[row] for row in found.table.placed.tolist()]
     own = dict(zip(clashes.ids, names, strict=True))
     status = {own[each]: clashes.marks.of(each).status for each in changes.statuses}
     notes = {own[each]: clashes.marks.of(each).note for each in changes.notes}
+    authors = {own[each]: clashes.marks.of(each).by for each in (*changes.statuses, *changes.notes)}
     made = replace(
         found,
         status=findings.changed(found.status, status, found.table.status_of),
         notes=findings.changed(found.notes, notes, found.table.note_of),
     )
+    made = findings.signed(made, authors)
     unknown = len(changes.unknown)
     said = [f"{unknown} of {len(topics)} topics are of no finding here"] if unknown else []
     if changes.outgrown:
@@ -247,7 +249,7 @@ def _tracked(found: Clashes, before: Findings | None, mockup: Mockup) -> tuple[i
     """Takes over statuses and notes by id; the number of findings that are gone, and marks of those not looked at."""
     if before is None:
         return 0, MappingProxyType({})
-    then = before.table.clashes(mockup, before.status, before.notes)
+    then = before.table.clashes(mockup, before.mark_of)
     listed = {*then.ids}
     elsewhere = (name for name in before.table.ids if name not in listed)  # of parts that are left out
     then.marks.aside = {**before.aside, **{name: before.mark_of(name) for name in elsewhere}}
@@ -285,20 +287,21 @@ def _mockup_of(place: FindingPlace, found: Findings) -> Mockup:
 
 def _as_json(found: Findings, mockup: Mockup, _progress: Progress) -> tuple[bytes, str]:
     """As `feeler clash --json` writes them, where all are of this mock-up; else as they were read."""
-    clashes = found.table.clashes(mockup, found.status, found.notes)
+    clashes = found.table.clashes(mockup, found.mark_of)
     if len(clashes) == len(found.table) and set(clashes.ids) == set(found.table.ids):
         return dumps(room.report(clashes)).encode(), ""
     return dumps(marked(found.table, found).to_json()).encode(), ""
 
 
 def marked(table: FindingTable, found: Findings) -> FindingTable:
-    """The table with the statuses and notes that people set."""
+    """The table with the statuses and notes that people set, and who they are."""
     status = table.status.copy()
     for name, word in found.status.items():
         status[table.row_of[name]] = STATUS.index(word)
     marks = dict(table.marks)
-    for name, note in found.notes.items():
-        marks[name] = replace(marks.get(name, NEW), note=note)
+    for name in {**found.status, **found.notes, **found.authors}:
+        mark = found.mark_of(name)
+        marks[name] = replace(marks.get(name, NEW), note=mark.note, by=mark.by)
     return replace(table, status=status, marks=MappingProxyType(marks))
 
 
@@ -306,7 +309,7 @@ def _written(suffix: str, write: Callable[[Path, Clashes, Mockup, Progress], obj
     """A writer of files as a function that gives bytes, and what people should know, if it says so."""
 
     def made(found: Findings, mockup: Mockup, progress: Progress) -> tuple[bytes, str]:
-        clashes = found.table.clashes(mockup, found.status, found.notes)
+        clashes = found.table.clashes(mockup, found.mark_of)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"findings{suffix}"
             said = write(path, clashes, mockup, progress)

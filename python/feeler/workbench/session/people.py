@@ -64,6 +64,7 @@ class _Page:
     colour: int
     heard_at: float
     here: Here | None = None
+    is_named: bool = False
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,8 @@ class PeopleOf:
             )
         with self._lock:
             page = self._heard(person)
-            page.name = self._free_name(_plain(name), person)
+            wished = _plain(name)
+            page.name, page.is_named = self._free_name(wished, person), bool(wished)
         self._listener()
 
     def name_of(self, mover: int, *, is_first: bool = False) -> str:
@@ -156,6 +158,12 @@ class PeopleOf:
             return page.name
         words = {SCRIPT: "a script", DEVICE: "the device"}.get(mover, "somebody who left")
         return words[0].upper() + words[1:] if is_first else words
+
+    def author(self, person: int) -> str:
+        """The name that a person chose; empty without one, and for scripts and devices."""
+        with self._lock:
+            page = self._pages.get(person)
+            return page.name if page is not None and page.is_named else ""
 
     @property
     def count(self) -> int:

@@ -538,6 +538,8 @@ class Session:
             if name == "measure_add" or given.has("type"):
                 found = measuring.measured(given, before, hands.scene, hands.meshes)
                 known = replace(known, measured=found)
+        elif name in ("finding_status", "finding_mark"):
+            known = replace(known, author=self.people.author(step.by))
         elif name == "findings_take" and isinstance(args, dict):
             known = replace(known, findings=self._requests.taken.of(args.get("key"), before))
         if command is not None and (name in JOINTS or before.on_joint is not None):
