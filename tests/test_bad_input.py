@@ -317,6 +317,25 @@ def test_poses_that_are_none(scene: feeler.Scene, tool: feeler.Tool, bad: Any, w
         assert isinstance(error.value, ValueError)
 
 
+NOT_NUMBERS: list[tuple[str, Any, str]] = [
+    ("a complex rotation", (np.eye(3, dtype=complex), np.zeros(3)), "dtypes complex128 and float64: real numbers"),
+    ("a complex translation", (np.eye(3), [0.0, 0.0, 5j]), "dtypes float64 and complex128: real numbers"),
+    ("a translation in words", (np.eye(3), ["1", "2", "3"]), "dtypes float64 and <U1: real numbers"),
+    ("a rotation of booleans", (np.eye(3, dtype=bool), np.zeros(3)), "dtypes bool and float64: real numbers"),
+    ("a pair of objects", (np.eye(3, dtype=object), np.zeros(3)), "dtypes object and float64: real numbers"),
+]
+
+
+@pytest.mark.parametrize(("bad", "words"), [case[1:] for case in NOT_NUMBERS], ids=[case[0] for case in NOT_NUMBERS])
+def test_pairs_of_other_than_real_numbers_are_no_poses(
+    scene: feeler.Scene, tool: feeler.Tool, bad: Any, words: str
+) -> None:
+    for query, pose in ((scene.collide, bad), (scene.distance, bad), (scene.collide_batch, [IDENTITY, bad, IDENTITY])):
+        with pytest.raises(feeler.PoseError) as error:
+            query(tool, pose)  # type: ignore[operator]
+        assert words in str(error.value)
+
+
 @pytest.mark.parametrize("bad", [case[1] for case in NOT_A_POSE[11:]], ids=[case[0] for case in NOT_A_POSE[11:]])
 def test_the_bad_pose_of_a_batch_is_named(scene: feeler.Scene, tool: feeler.Tool, bad: Any) -> None:
     with pytest.raises(feeler.PoseError, match=r"^poses\[7\]: "):

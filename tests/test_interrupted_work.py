@@ -97,11 +97,11 @@ def test_a_command_with_workers_ends_at_once(name: str, after: float, sent: tupl
         assert errors.splitlines()[-1].startswith("feeler: interrupted"), errors
         assert "Traceback" not in errors and "leaked" not in errors and "Error" not in errors, errors
         assert took < 10.0, "a loaded machine takes seconds; the work itself, minutes"
-        _until(lambda: not _of_group(process.pid), 5.0)
+        _until(lambda: not _of_group(process.pid), 30.0)
     finally:
         if _of_group(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        process.communicate()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

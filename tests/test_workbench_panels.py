@@ -262,7 +262,7 @@ def stepped_through(page: Any) -> None:
     cards.first.wait_for()
     # What only touches is hidden at first; the deepest comes first, as a sentence.
     assert cards.count() == 2
-    assert "pump is 4 mm deep in right" in cards.first.inner_text()
+    assert "pump is 4 mm deep in right" in " ".join(cards.first.inner_text().split())
     start = picture(page)
     press(page, "n")
     page.locator(".finding[aria-current=true]", has_text="right").wait_for()

@@ -70,6 +70,8 @@ def plain(pose: object) -> object:
                 f"a pose is a pair of shapes {turn.shape} and {shift.shape}: give a rotation (3, 3) and a translation "
                 "(3,), or one matrix (4, 4)"
             )
+        if turn.dtype.kind not in "fiu" or shift.dtype.kind not in "fiu":
+            raise PoseError(f"a pose is a pair of dtypes {turn.dtype} and {shift.dtype}: real numbers are needed")
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = turn, shift
         return matrix

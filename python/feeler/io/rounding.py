@@ -13,8 +13,8 @@ from feeler.io.raw import RawMesh
 _CHUNK = 1 << 18
 _FEWEST_DIGITS, _MOST_DIGITS = 6, 14
 """Numbers of fewer digits are taken for exact ones, such as 12.5; those of more for double precision."""
-_DIGITS_OF_SINGLE = 9
-"""Programs print numbers of single precision with so many digits, or fewer that suffice."""
+_DIGITS_IN_SINGLE, _DIGITS_OF_SINGLE = 7, 9
+"""About so many digits fit in single precision. Programs print it with so many, or with fewer that suffice."""
 _SAMPLE = 1000
 _NOISE = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""
@@ -43,7 +43,7 @@ def of_numbers(vertices: NDArray[np.float64]) -> float:
     if digits < _FEWEST_DIGITS:
         return 0.0
     largest = np.abs(vertices[np.isfinite(vertices)]).max()
-    if digits <= _DIGITS_OF_SINGLE and _is_printed_single(vertices):
+    if _DIGITS_IN_SINGLE < digits <= _DIGITS_OF_SINGLE and _is_printed_single(vertices):
         return single(vertices)
     return float(0.5 * 10.0 ** (np.floor(np.log10(largest)) + 1.0 - digits))
 
@@ -62,7 +62,7 @@ def errors_of(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         is_few = _has_digits(_FEWEST_DIGITS - 1, numbers)
         is_single = single == numbers
         is_printed = _has_digits(_DIGITS_OF_SINGLE, numbers) & ~is_few & ~is_single
-        if _is_printed_single(numbers[is_printed]):
+        if _is_printed_single(numbers[is_printed & ~_has_digits(_DIGITS_IN_SINGLE, numbers)]):
             is_single |= is_printed
         error[is_single] = 0.5 * np.spacing(np.abs(single))[is_single]
         error[is_few | ~np.isfinite(error)] = 0.0
@@ -111,8 +111,10 @@ class PlacementErrors:
 
 
 def _is_printed_single(numbers: NDArray[np.float64]) -> bool:
-    """Whether numbers of 7 to 9 digits are those of single precision in text, by some of them."""
+    """Whether numbers of 8 or 9 digits are those of single precision in text, by some of them."""
     flat = numbers[np.isfinite(numbers)]
+    if not len(flat):
+        return False
     some = flat[:: max(1, len(flat) // _SAMPLE)].tolist()
     with np.errstate(over="ignore"):
         return all(number in (float(str(np.float32(number))), float(f"{np.float32(number):.9g}")) for number in some)
