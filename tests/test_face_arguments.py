@@ -635,8 +635,33 @@ MASKED = {
     "a pose to repair": lambda s, t: feeler.nearest_rigid(masked(np.eye(4))),
     "origins": lambda s, t: s.rays(masked([[0.0, 0, 9]]), [[0, 0, -1.0]]),
     "parts": lambda s, t: s.only(masked([True])),
+    "meshes by name": lambda s, t: feeler.Mockup({"a": (masked(TRIANGLE), [[0, 1, 2]])}),
+    "colours": lambda s, t: setattr(s.mockup, "part_colours", masked(np.zeros((1, 3)))),
+    "a section": lambda s, t: s.section(masked([0.0, 0, 1]), [0, 0, 1]),
+    "a way": lambda s, t: feeler.Slide(masked([0.0, 0, 1])),
+    "an axis": lambda s, t: feeler.Screw(masked([0.0, 0, 1]), [0, 0, 0], 1.0),
+    "a point of an axis": lambda s, t: feeler.Screw([0, 0, 1], masked([0.0, 0, 1]), 1.0),
+    "directions": lambda s, t: feeler.removal(s, "*", directions=masked([[0.0, 0, 1]])),
+    "pairs to ignore": lambda s, t: s.distance(t, np.eye(4), ignore=masked([[0, 0]])),
 }
 TRIANGLE = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+NOT_NUMBERS: dict[str, Callable[[feeler.Scene], object]] = {
+    "text as a way": lambda s: feeler.Slide(["0", "0", "1"]),
+    "truths as an axis": lambda s: feeler.Screw([True, False, False], [0, 0, 0], 1.0),
+    "a truth as an angle": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], True),
+    "a truth as a pitch": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], 1.0, False),
+    "text as directions": lambda s: feeler.removal(s, "*", directions=[["0", "0", "1"]]),
+    "truths as directions": lambda s: feeler.removal(s, "*", directions=[[True, False, False]]),
+}
+
+
+@pytest.mark.parametrize("what", list(NOT_NUMBERS))
+def test_text_and_truths_are_no_numbers_of_motions(what: str) -> None:
+    scene = feeler.Scene(feeler.Mockup(TRIANGLE, [[0, 1, 2]]))
+    with pytest.raises(feeler.OptionError, match=r"give three numbers|give a number|real numbers"):
+        NOT_NUMBERS[what](scene)
 
 
 @pytest.mark.parametrize("what", list(MASKED))

@@ -68,6 +68,24 @@ def test_a_bolt_with_a_nut_holds_what_is_under_the_flange_of_its_bush(seed: int)
     assert found["bolt M10"][0] == found["nut"][0] == {"bush", "lever", "frame"}
 
 
+@pytest.mark.parametrize(("dog", "hole", "is_groove"), [(5.0, 5.2, False), (4.0, 4.2, False), (4.0, 4.2, True)])
+@pytest.mark.parametrize("thread", [6.0, 4.917])
+def test_the_thread_of_a_set_screw_is_not_around_its_point(
+    dog: float, hole: float, is_groove: bool, thread: float
+) -> None:
+    """Its dog is free in a hole or a groove of a bar."""
+    housing = block((-50, -30, -20), (50, 30, 20)) - block((-60, -10.025, -5.02), (60, 10.025, 5.02))
+    cut = block((-hole / 2, -15, 2), (hole / 2, 15, 12)) if is_groove else cylinder(hole, 2, 12, 48)
+    screw = cylinder(6.0, 5.2, 20.2, 48) + cylinder(dog, 2.3, 5.3, 48) - prism(3.0, 6, 17, 21)
+    parts = {
+        "housing": housing - cylinder(thread, 5, 35, 48),
+        "bar": block((-70, -10, -5), (70, 10, 5)) - cut,
+        "set screw": screw,
+    }
+    for seed in range(2):
+        assert rows(parts, seed)["set screw"][1] == "housing"
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_saddles_of_crossing_pipes_hold_their_own(seed: int) -> None:
     """They are near each other, and no halves of one clamp."""

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.arguments import shown
+from feeler.arguments import shown, unmasked
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
@@ -105,6 +105,7 @@ def pairs_of_parts(
     option, whose: the names of the argument and the two meshes in errors. Raises `OptionError`, also for more than
     `MOST_PAIRS` pairs.
     """
+    unmasked(option, pairs)
     if not isinstance(pairs, np.ndarray):
         return listed(groups_of_parts(one, other, pairs, option, whose), other.part_count, option)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":

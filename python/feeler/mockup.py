@@ -635,6 +635,7 @@ def _named_parts(
 def _colours_of_parts(given: npt.ArrayLike, parts: int) -> npt.NDArray[np.float64]:
     """A copy. Raises `MeshError` unless each of the parts has three levels from 0 to 1, or three NaN."""
     give = f"give an array ({parts}, 3) of sRGB levels, 0 to 1, or None"
+    unmasked("part_colours", given, MeshError)
     try:
         array = np.asarray(given)
         is_numbers = array.dtype.kind in "fiu"

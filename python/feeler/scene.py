@@ -789,6 +789,7 @@ def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.floa
 
 
 def _vector(what: str, value: npt.ArrayLike) -> list[float]:
+    unmasked(what, value)
     try:
         array = np.asarray(value, dtype=object)
     except ValueError:

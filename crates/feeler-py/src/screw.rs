@@ -3,7 +3,7 @@
 use feeler_core as core;
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBool, PyTuple};
 
 use crate::arguments::{checked, PoseArgument};
 use crate::arrays::pose_array;
@@ -24,8 +24,14 @@ pub struct Screw {
 pub fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<core::Point> {
     let wrong = || raise("OptionError", format!("{what} is {object}: give three numbers"));
     let py = object.py();
-    let array = py.import("numpy")?.call_method1("asarray", (object, "float64")).map_err(|_| wrong())?;
-    let array: PyReadonlyArray1<'_, f64> = array.extract().map_err(|_| wrong())?;
+    py.import("feeler.arguments")?.call_method1("unmasked", (what, object))?;
+    let array = py.import("numpy")?.call_method1("asarray", (object,)).map_err(|_| wrong())?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    if !["f", "i", "u"].contains(&kind.as_str()) {
+        return Err(wrong());
+    }
+    let array: PyReadonlyArray1<'_, f64> =
+        array.call_method1("astype", ("float64",))?.extract().map_err(|_| wrong())?;
     match array.as_array().to_vec()[..] {
         [x, y, z] => Ok([x, y, z]),
         _ => Err(wrong()),
@@ -33,7 +39,11 @@ pub fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<core::Point> {
 }
 
 fn number(what: &str, object: &Bound<'_, PyAny>) -> PyResult<f64> {
-    object.extract().map_err(|_| raise("OptionError", format!("{what} of the screw is {object}: give a number")))
+    let wrong = || raise("OptionError", format!("{what} of the screw is {object:?}: give a number"));
+    if object.is_instance_of::<PyBool>() {
+        return Err(wrong());
+    }
+    object.extract().map_err(|_| wrong())
 }
 
 #[pymethods]

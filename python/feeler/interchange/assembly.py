@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import UNREADABLE
+from feeler.arguments import UNREADABLE, unmasked
 from feeler.errors import MeshError
 from feeler.io.raw import OUT_OF_RANGE, PathBook, clean_name
 from feeler.io.units import Unit, parse_unit
@@ -164,6 +164,7 @@ class Assembly:
 
     @staticmethod
     def _array(where: str, what: str, values: npt.ArrayLike, kinds: str) -> npt.NDArray[Any]:
+        unmasked(f"{where}: {what}", values, MeshError)
         try:
             array = np.asarray(values)
         except UNREADABLE as error:

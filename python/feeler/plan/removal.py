@@ -14,7 +14,15 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler._core import Screw
-from feeler.arguments import UNREADABLE, check_length, check_number, check_progress, check_threads, check_whole
+from feeler.arguments import (
+    UNREADABLE,
+    check_length,
+    check_number,
+    check_progress,
+    check_threads,
+    check_whole,
+    unmasked,
+)
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.field_docs import documented
 from feeler.mockup import Tool
@@ -363,10 +371,15 @@ def checked_directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float
     """The argument `directions`, `(k, 3)`. Raises `OptionError`."""
     if directions is None:
         return np.empty((0, 3))
+    unmasked("directions", directions)
     try:
-        rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
+        rows = np.atleast_2d(np.asarray(directions))
     except UNREADABLE as error:
         raise OptionError(f"directions cannot be read as (k, 3) numbers: {error}") from error
+    if rows.dtype.kind not in "fiu":
+        raise OptionError(f"directions have dtype {rows.dtype}: real numbers (k, 3) are needed")
+    with np.errstate(over="ignore"):
+        rows = rows.astype(np.float64)
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise OptionError(f"directions have shape {rows.shape}: (k, 3) is needed")
     if not np.isfinite(rows).all() or not rows.any(axis=1).all():

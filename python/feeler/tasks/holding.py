@@ -25,7 +25,7 @@ from feeler.tasks.clamping import clamped_beside, shoulder_below
 from feeler.tasks.cotters import cotters_of
 from feeler.tasks.passing import SEAT, Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
-from feeler.tasks.thread_sizes import thread_size
+from feeler.tasks.thread_sizes import radius_at, thread_size
 from feeler.tasks.threaded_bodies import threaded_bodies
 from feeler.words import plural
 
@@ -37,6 +37,8 @@ TIGHT = 1.014
 """Radius of a hole over that of the shank: threads and fits are tighter, clearance holes wider."""
 CORE = 0.93
 """The same of the core of a thread that is drawn as a helix."""
+THIN, POINT = 0.75, 0.97
+"""Radius of the point of a screw over that of its thread, at most, and of its hole, where it may be a core."""
 THREADED = 0.84
 """Radius of what is in a nut over that of its bore: threads are at least as large."""
 TIP = 0.95
@@ -684,12 +686,20 @@ class _Holding:
         return bool(is_flat and radius.min() > 0.4 * row.size)
 
     def _anchor(self, row: Fastener, passed: list[Passed]) -> Passed | None:
-        """The deepest part that the shank is tight in. A stud with nuts at both ends that is tight in several parts has
-        none: which of the holes is a thread is not known then."""
+        """The deepest part that the shank is tight in; one around a thinner point of it only if there is no other. A
+        stud with nuts at both ends that is tight in several parts has none: which hole is a thread is not known."""
         tight = [each for each in passed if _is_tight(row, each)]
+        tight = [each for each in tight if not self._is_round_point(row, each)] or tight
         if len({each.part for each in tight}) > 1 and self._is_between_nuts(row, passed):
             return None
         return min(tight, key=lambda each: each.bottom, default=None)
+
+    def _is_round_point(self, row: Fastener, inside: Passed) -> bool:
+        """Whether a part is around a thinner point of a screw, which is free in it: the dog of a set screw."""
+        thread = 0.5 * thread_size(row)
+        own = radius_at(row, self.meshes.corners(row.part), 0.5 * (inside.top + inside.bottom))
+        is_thin = own < THIN * thread or (own < CORE * thread and inside.radius < POINT * thread)
+        return own > 0.0 and is_thin and inside.radius > TIGHT * own
 
     def _in_fastener(self, row: Fastener) -> Passed | None:
         """Another fastener that the shank has its thread in: a standoff, a bolt with a hole in its end."""

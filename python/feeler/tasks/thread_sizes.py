@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
 from feeler.plan.fasteners import Fastener
 
 WIDTHS_MM: dict[float, tuple[float, ...]] = {
@@ -34,6 +37,17 @@ def nominal(row: Fastener, size: float) -> float:
 def thread_size(row: Fastener) -> float:
     """The diameter of the thread of a shank, metres: the nominal one, where the shank is drawn as its core."""
     return max(row.size, _by_width(row, row.size, CORE_SHARE)) if math.isfinite(row.size) else row.size
+
+
+def radius_at(row: Fastener, corners: npt.NDArray[np.float64], height: float) -> float:
+    """The outer radius of a fastener at a height in its frame, metres; 0 where it is not. corners: of its triangles."""
+    below = (corners - row.frame[:3, 3]) @ row.frame[:3, :3]
+    above = np.roll(below, -1, axis=1)
+    is_across = (below[..., 2] <= height) != (above[..., 2] <= height)
+    below, above = below[is_across], above[is_across]
+    share = (height - below[:, 2:]) / (above[:, 2:] - below[:, 2:])
+    points = below[:, :2] + share * (above[:, :2] - below[:, :2])
+    return float(np.hypot(*points.T).max(initial=0.0))
 
 
 def _by_width(row: Fastener, size: float, shares: tuple[float, float]) -> float:
