@@ -625,6 +625,11 @@ def masked(values: Any) -> Any:
     return np.ma.masked_array(numbers, mask)
 
 
+def pair() -> feeler.Scene:
+    """Of two parts."""
+    return feeler.Scene(feeler.Mockup({name: (np.array(TRIANGLE), np.array([[0, 1, 2]])) for name in "ab"}))
+
+
 MASKED = {
     "vertices": lambda s, t: feeler.Mockup(masked(TRIANGLE), [[0, 1, 2]]),
     "faces": lambda s, t: feeler.Tool(TRIANGLE, masked([[0, 1, 2]])),
@@ -641,7 +646,7 @@ MASKED = {
     "a way": lambda s, t: feeler.Slide(masked([0.0, 0, 1])),
     "an axis": lambda s, t: feeler.Screw(masked([0.0, 0, 1]), [0, 0, 0], 1.0),
     "a point of an axis": lambda s, t: feeler.Screw([0, 0, 1], masked([0.0, 0, 1]), 1.0),
-    "directions": lambda s, t: feeler.removal(s, "*", directions=masked([[0.0, 0, 1]])),
+    "directions": lambda s, t: feeler.removal(pair(), "a", directions=masked([[0.0, 0, 1]])),
     "pairs to ignore": lambda s, t: s.distance(t, np.eye(4), ignore=masked([[0, 0]])),
 }
 TRIANGLE = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -652,14 +657,14 @@ NOT_NUMBERS: dict[str, Callable[[feeler.Scene], object]] = {
     "truths as an axis": lambda s: feeler.Screw([True, False, False], [0, 0, 0], 1.0),
     "a truth as an angle": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], True),
     "a truth as a pitch": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], 1.0, False),
-    "text as directions": lambda s: feeler.removal(s, "*", directions=[["0", "0", "1"]]),
-    "truths as directions": lambda s: feeler.removal(s, "*", directions=[[True, False, False]]),
+    "text as directions": lambda s: feeler.removal(s, "a", directions=[["0", "0", "1"]]),
+    "truths as directions": lambda s: feeler.removal(s, "a", directions=[[True, False, False]]),
 }
 
 
 @pytest.mark.parametrize("what", list(NOT_NUMBERS))
 def test_text_and_truths_are_no_numbers_of_motions(what: str) -> None:
-    scene = feeler.Scene(feeler.Mockup(TRIANGLE, [[0, 1, 2]]))
+    scene = pair()
     with pytest.raises(feeler.OptionError, match=r"give three numbers|give a number|real numbers"):
         NOT_NUMBERS[what](scene)
 
