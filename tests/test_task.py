@@ -133,7 +133,7 @@ def test_a_forced_order_that_cannot_be_is_the_reason(covered: feeler.Scene) -> N
     assert {(part, because.split("order ")[1], blockers) for part, because, blockers in said(task)} == {
         ("low", "it goes before what is in its way", ("middle", "high")),
         ("middle", "it goes before what is in its way", ("high",)),
-        ("high", "it goes after a part in whose way it is", ("low", "middle")),
+        ("high", "it goes after a part that it blocks", ("low", "middle")),
     }
 
 
@@ -150,7 +150,7 @@ def test_a_forced_order_is_kept_and_one_that_cannot_be_is_said(covered: feeler.S
         assert feeler.task(two, ["a", "b"], before=pairs).is_found  # type: ignore[arg-type]
     blocked = feeler.task(covered, "cover", driver(), before=[("bolt", "lid")])
     assert not blocked.is_found and "order was forced" in blocked.notes[-1]
-    reason = "by the forced order it goes after a fastener whose tool needs its room"
+    reason = "by the forced order it goes after a fastener whose tool it keeps out"
     assert said(blocked) == [("lid", reason, ("bolt",))]
     with pytest.raises(OptionError, match="before goes in a circle: 'a' before 'b' before 'a': leave one"):
         feeler.task(two, ["a", "b"], before=[("a", "b"), ("b", "a")])

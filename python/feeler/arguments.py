@@ -18,7 +18,7 @@ from feeler.progress import Progress
 
 MOST_THREADS = 1024
 UNREADABLE = (TypeError, ValueError, OverflowError, RuntimeError)
-"""What NumPy raises for what is no array, and other libraries for tensors that cannot be one."""
+"""Errors of `numpy.asarray` for values that are no arrays, and of other libraries for tensors that refuse to be one."""
 _MOST_SHOWN = 80
 _MOST_NAMED = 60
 

@@ -123,7 +123,7 @@ impl Collision {
     /// Colliding triangles of the tool; unique, sorted, read-only.
     #[getter]
     fn tool_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
-        // SAFETY: as for the pairs; what was asked for once is never written again.
+        // SAFETY: as for the pairs; a column is written once, before the first view of it.
         unsafe { view(slf.as_any(), slf.get().triangles(0)) }
     }
 

@@ -14,7 +14,7 @@ _CHUNK = 1 << 18
 _FEWEST_DIGITS, _MOST_DIGITS = 6, 14
 """Numbers of fewer digits are taken for exact ones, such as 12.5; those of more for double precision."""
 _DIGITS_IN_SINGLE, _DIGITS_OF_SINGLE = 7, 9
-"""About so many digits fit in single precision. Programs print it with so many, or with fewer that suffice."""
+"""Decimal digits that single precision always holds, and the most with which programs print such a number."""
 _SAMPLE = 1000
 _NOISE = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""

@@ -371,7 +371,7 @@ class _Holding:
         self.passed.update(zip(turned, passed_by(self.bare, rows), strict=True))
 
     def _is_top_in(self, stud: Fastener) -> bool:
-        """Whether the top of a stud is the end that is in what it is fastened in."""
+        """Whether the top of a stud is its fastened end, so that its frame has to be turned round."""
         passed, _ = self._without_washers(stud, self.passed[stud.part])
         sides = self._sides(stud, passed)
         if sides or not passed:
@@ -380,7 +380,7 @@ class _Holding:
         return above + PLAY * stud.size < _finite(stud.length) + min(each.bottom for each in passed)
 
     def _sides(self, shank: Fastener, passed: list[Passed]) -> set[bool]:
-        """Whether the nuts on a shank hold what is below them, or above."""
+        """On which sides the nuts of a shank hold parts: True for below a nut, False for above."""
         return {self._is_upward(shank, nut, passed) for nut in self.nuts[shank.part]}
 
     def _is_between_nuts(self, row: Fastener, passed: list[Passed]) -> bool:

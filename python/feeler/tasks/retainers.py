@@ -31,7 +31,7 @@ HALVES_M = 3e-3
 ASIDE, UNDERCUT = 0.3, 0.1
 """What lies in an open half: the normals there have this mean at least, and none points against it by more."""
 OPPOSITE = 0.9
-"""The least cosine between the directions of two halves of a clamp, from what is between them."""
+"""Two halves of a clamp face each other: the cosine between their directions is at most minus this."""
 LARGEST_M = 0.6
 MOST_TRIANGLES = 100_000
 _AROUND = 24  # rays around a circlip, on each side

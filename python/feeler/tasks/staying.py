@@ -12,11 +12,11 @@ from feeler.tasks.steps import TaskBlocker
 
 
 class _Need(Enum):
-    """What an item needs out: what is said of it, and of that."""
+    """Why one item has to go after another: words for the item, and for the other."""
 
     HELD = "a fastener that holds it", "a part that it holds"
-    TOOL = "what is in the way of its tool", "a fastener whose tool needs its room"
-    WAY = "what is in its way", "a part in whose way it is"
+    TOOL = "what is in the way of its tool", "a fastener whose tool it keeps out"
+    WAY = "what is in its way", "a part that it blocks"
 
     def __init__(self, first: str, second: str) -> None:
         self.first, self.second = first, second
@@ -78,7 +78,7 @@ class Staying:
         yield "what has to go before it by the forced order does not come out", ahead & self._stuck
 
     def _later(self, item: int, need: _Need) -> frozenset[int]:
-        """What an item needs out, but the forced order makes wait for it."""
+        """The items that have to be out before this one, but that the forced order puts after it."""
         actions, later = self._actions, behind(self._behind, item)
         if need is _Need.HELD:
             return frozenset[int]().union(*(joint for joint in actions.certain(item) if joint <= later))

@@ -49,8 +49,8 @@ pub struct HoldLimits {
     pub contact: f64,
 }
 
-/// Of parts of several pieces, of which the other part contains some, what is left of each near the other; `None` of one that is left as
-/// it is. `bodies`: those of the parts. `has_sheets`: whether open surfaces may be contained, too.
+/// Two parts without the pieces that the other one contains, and without what is far from the other; `None` for a part that keeps all of its
+/// pieces. `bodies`: those of the parts. `has_sheets`: whether open surfaces may be contained, too.
 pub fn without_contained(
     solids: &Solids<'_>,
     parts: [u32; 2],

@@ -175,8 +175,8 @@ impl Judge<'_> {
         parts.iter().any(|part| self.solids.of(*part).is_closed())
     }
 
-    /// A part that another contains by exact signs, or some pieces of it. Open surfaces that are nowhere deeper than contact allows lie on
-    /// the other part. What is larger than the hollow that it fills is not contained.
+    /// The verdict of parts of which one lies in the other by exact signs, or some of its pieces do. Open surfaces that are nowhere deeper
+    /// than `contact` are in contact. A part that overfills a hollow of the other is not contained: it clashes.
     fn of_held(&self, parts: [u32; 2]) -> Verdict {
         let (within, contact) =
             (self.limits.copies_within(parts[0], parts[1]), self.limits.contact(parts[0], parts[1]));

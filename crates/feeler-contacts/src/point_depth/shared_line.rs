@@ -1,5 +1,5 @@
-//! The lines in which the surfaces of two bodies cross, and where along them the bodies are walls. What is found does not depend on how
-//! flat faces are cut into triangles.
+//! Finds the lines in which the surfaces of two bodies cross, and the spans of these lines in which both bodies are thin walls. Flat faces
+//! give the same spans however they are cut into triangles.
 
 use feeler_core::geometry::vectors::{add, along, cross, dot, length, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
