@@ -290,7 +290,7 @@ def test_an_approval_is_of_a_verdict(
         row["verdict"] = "touching" if row["verdict"] == "contact" else row["verdict"]
         row.pop("approved_error"), row.pop("approved_verdict")
     listed = findings_of(data, mockup.parts)
-    known = listed.table.clashes(mockup, {}, {})
+    known = listed.table.clashes(mockup, listed.mark_of)
     assert known.marks.of(known.ids[0]).approved_verdict == was[0]
     after = table([{"a": 0, "b": 1, "verdict": Verdict(now[0]), "depth": now[1]}], ("x/a", "x/b"))
     after.facts = replace(after.facts, rules=(("default", 0.002, 0.001),))

@@ -215,7 +215,7 @@ def test_a_result_travels(found: feeler.Removal) -> None:
         ({"seats": "start"}, feeler.OptionError, "seats is 'start': True or False"),
         ({"directions": [[0, 0, 0]]}, feeler.OptionError, "zero or not finite"),
         ({"directions": [[0, 0]]}, feeler.OptionError, r"\(1, 2\)"),
-        ({"directions": "up"}, feeler.OptionError, "cannot be read"),
+        ({"directions": "up"}, feeler.OptionError, "dtype <U2: real numbers"),
         ({"tool": "hand"}, feeler.MeshError, "tool is a feeler.Tool"),
         ({"start": np.eye(4)}, feeler.OptionError, "there is no tool"),
         ({"progress": 3}, feeler.OptionError, "progress is 3"),
