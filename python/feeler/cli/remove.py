@@ -564,7 +564,10 @@ def _row(mockup: feeler.Mockup, step: feeler.RemovalStep, error: str) -> tuple[s
     name = first if len(step.parts) == 1 else f"{first} and {len(step.parts) - 1:,} more"
     took = outputs.duration(one.seconds)
     if one.is_found:
-        clear = outputs.length(one.clearance) if math.isfinite(one.clearance) else "nothing near"
+        if math.isnan(one.clearance):
+            clear = "not measured"
+        else:
+            clear = outputs.length(one.clearance) if math.isfinite(one.clearance) else "nothing near"
         return (
             name,
             _kind(one),

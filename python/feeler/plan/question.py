@@ -148,16 +148,22 @@ class Question:
         """The answer to an attempt, and whether time cut it."""
         gone, is_cut = attempt.gone, False
         name, after = self.names(attempt.nodes), f", {len(gone)} gone" if gone else ""
-        for budget in attempt.budgets:
-            way = removal(
+
+        def answer(seconds: float, rounds: int | None) -> Removal:
+            return removal(
                 self.scene.without(list(self.parts_of(gone))) if gone else self.scene,
                 list(self.parts_of(attempt.nodes)),
                 **self._held(attempt.nodes, attempt.direction),
                 **{**self.options, "seed": self.options["seed"] + attempt.seed},
-                seconds=min(budget.seconds, clock.left),
-                rounds=budget.rounds,
+                seconds=seconds,
+                rounds=rounds,
                 progress=lambda _done, stage: clock.tell(f"{name}{after}: {stage}"),
             )
+
+        for budget in attempt.budgets:
+            way = answer(min(budget.seconds, clock.left), budget.rounds)
+            if _is_unmeasured(way) and clock.goes_on():
+                way = answer(clock.left, budget.rounds)  # the same way, and its clearance
             is_cut = is_cut or _is_cut(way)
             if way.is_found or (attempt.direction is not None and way.blocked_by):
                 break
@@ -172,9 +178,11 @@ class Question:
                 raise _NotStraightError
             clock.tell(f"{self.names([TARGET])}: {stage}")
 
-        options = {**self.grip, **self.options, "seconds": min(budget.seconds, clock.left), "progress": only_straight}
+        options = {**self.grip, **self.options, "progress": only_straight}
         try:
-            way = removal(self.scene, list(self.wanted), **options)
+            way = removal(self.scene, list(self.wanted), seconds=min(budget.seconds, clock.left), **options)
+            if _is_unmeasured(way) and clock.goes_on():
+                way = removal(self.scene, list(self.wanted), seconds=clock.left, **options)
         except _NotStraightError:
             return None, False
         return way if way.is_found else None, _is_cut(way)
@@ -191,4 +199,9 @@ class Question:
 
 def _is_cut(way: Removal) -> bool:
     """Whether time cut a search, or the measurement of what it found."""
-    return way.is_out_of_time or (way.is_found and math.isnan(way.clearance))
+    return way.is_out_of_time or _is_unmeasured(way)
+
+
+def _is_unmeasured(way: Removal) -> bool:
+    """Whether a way was found, and time was up before its clearance was measured."""
+    return way.is_found and math.isnan(way.clearance)

@@ -88,7 +88,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
     line.parts.some((part) => document?.moved[part] !== undefined && !document.out.includes(part));
   const clearance =
     line.least_clearance === null
-      ? "nothing near"
+      ? "no clearance measured"
       : `${formatLength(line.least_clearance, store.unit.value)} least clearance`;
   const earlier = revisionText(line.stale, (part) => store.nameOf(part));
   return (

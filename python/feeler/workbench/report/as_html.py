@@ -187,7 +187,7 @@ def _bytes(count: int) -> str:
 
 
 def _clearance(way: WayRow) -> str:
-    return "nothing near" if way.clearance is None else length(way.clearance)
+    return "not measured" if way.clearance is None else length(way.clearance)
 
 
 class _Page:
