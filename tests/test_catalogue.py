@@ -341,7 +341,8 @@ def test_the_users_file_is_read(tmp_path: Path) -> None:
     own.write_text(text)
     mine = feeler.catalogue(own)
     assert [row.name for row in mine] == ["open 13", "open 17"] and mine.hand is None
-    for tools, chosen in ((mine, "open 13"), (own, "open 13"), ("catalogue", "socket 13 (6.3) + ratchet (6.3)")):
+    usual = "socket 13 (6.3) + ratchet (6.3)"
+    for tools, chosen in ((mine, "open 13"), (own, "open 13"), ("catalogue", usual), ("built-in", usual)):
         assert feeler.access(around({}), tools, head())[0].tool == chosen
     for wrong, words in [
         (text.replace("version = 1", "version = 2"), "version is 2"),

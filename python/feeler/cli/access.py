@@ -250,7 +250,7 @@ def _read(
     """The mock-up, and the tool or tools."""
     if catalogue is None:
         return read_both(mockup, unit, tool, tool_unit, up)
-    tools = feeler.catalogue(None if catalogue == "built-in" else catalogue)
+    tools = feeler.catalogue(catalogue)
     return read_mockup(mockup, unit, up), tools
 
 

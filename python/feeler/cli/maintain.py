@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",), "save": (".json",)}
 _SHOWN = 50
-_BUILT_IN = "built-in"
 _FAULTS = ", ".join(MAINTAIN_FAULTS)
 
 
@@ -159,7 +158,7 @@ def maintain(
         book, work = open_for_writing(context, named, work)
         outputs.check_targets(targets, _ENDINGS, work.sources)
         before = last_run(book)
-    held = _catalogue(tools) if tools is not None else _tools(tool, grip, tool_unit, work.up)
+    held = feeler.catalogue(str(tools)) if tools is not None else _tools(tool, grip, tool_unit, work.up)
     world = read_checked(work.sources, work.unit, work.up)
     contents = () if book is None else take_mockup(book, world, work)
     scene = Choice(None, work.without, work.only).scene_of(indexed(world, None, None, threads))
@@ -221,10 +220,6 @@ def _words(fail_on: str | None) -> list[MaintainFault]:
             raise OptionError(f"--fail-on has {word!r}: {near(word, MAINTAIN_FAULTS)}")
         words.append(word)
     return words
-
-
-def _catalogue(tools: Path) -> feeler.Catalogue:
-    return feeler.catalogue() if str(tools) == _BUILT_IN else feeler.catalogue(tools)
 
 
 def _tools(files: list[str] | None, grip: str | None, unit: str | None, up: str | None) -> dict[str, Any] | None:

@@ -30,8 +30,6 @@ from feeler.cli.inputs import (
 from feeler.errors import OptionError
 from feeler.progress import Progress
 
-_BUILT_IN = "built-in"
-
 
 @command(
     examples="""
@@ -82,7 +80,7 @@ def mcp(
     from feeler.agent.wire import Wire
 
     names = _names(tool or [])
-    usual = feeler.catalogue(None if catalogue in (None, _BUILT_IN) else catalogue)
+    usual = feeler.catalogue(catalogue)
 
     def open_(progress: Progress) -> Served:
         tools = {name: read_tool(source, tool_unit, up) for name, source in names.items()}

@@ -33,7 +33,6 @@ from feeler.errors import OptionError
 from feeler.io.xlsx import xlsx_library
 from feeler.progress import bar
 from feeler.tasks.planning import MOST_PEOPLE
-from feeler.tasks.reached import BUILT_IN
 from feeler.tasks.steps import clock
 from feeler.tasks.times import times_of
 
@@ -142,7 +141,7 @@ def task(
     if catalogue is not None:
         if tools is not None:
             raise OptionError("--tool and --catalogue are both tools: give one")
-        tools = feeler.catalogue(None if catalogue == BUILT_IN else catalogue)
+        tools = feeler.catalogue(catalogue)
     world = read_checked(mockup, unit, up)
     scene = Choice(None, without, only).scene_of(indexed(world, None, None, threads))
     is_interrupted = False

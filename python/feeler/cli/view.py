@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from feeler.workbench.session.session import Session
 
 _SAMPLE, _SAMPLE_TOOL = "sample:gearbox", "sample:wrench"
-_BUILT_IN = "built-in"
 _SHOWN = ("mm", "cm", "m", "in")
 _STEP = 0.01  # of progress, between reports
 _READ, _INDEXED = 0.6, 0.95  # shares at which the mock-up is read, and indexed
@@ -239,6 +238,7 @@ def _begin_mechanism(session: Session, name: str, text: str) -> None:
 def _mechanism_of(path: Path) -> tuple[str, str]:
     """The name and the text of a file, whose mistakes are told before anything is loaded. Raises `LoadError`."""
     from feeler.io.text import text_of
+    from feeler.plan.catalogue import BUILT_IN_NAMES
     from feeler.mechanism import files
 
     files.read(path)
@@ -255,9 +255,10 @@ def _catalogue_of(source: str) -> tuple[str, str]:
     """The name and the text of a catalogue; both empty for the built-in one. The file is checked before the mock-up is
     loaded. Raises `LoadError`, `OptionError`."""
     from feeler.io.text import text_of
+    from feeler.plan.catalogue import BUILT_IN_NAMES
     from feeler.workbench.document.task_commands import MOST_TOML
 
-    if source == _BUILT_IN:
+    if source in BUILT_IN_NAMES:
         return "", ""
     feeler.catalogue(source)
     path = Path(source)

@@ -23,7 +23,9 @@ from feeler.plan.tool_solids import Solid
 from feeler.plan.tool_spec import HANDLES, HEADS, TOOL_KINDS, ToolSpec, suits
 from feeler.words import plural
 
-BUILT_IN = Path(__file__).with_name("catalogue.toml")
+BUILT_IN_NAMES = ("built-in", "catalogue")
+"""Instead of the path of a file: the built-in catalogue."""
+_BUILT_IN_FILE = Path(__file__).with_name("catalogue.toml")
 JOINT = " + "
 """Between the names of a chain's pieces."""
 MM = 1e-3
@@ -149,12 +151,12 @@ class Catalogue(Sequence[ToolSpec]):
 
 
 def catalogue(path: str | os.PathLike[str] | None = None) -> Catalogue:
-    """The tools in a TOML file, or the built-in ones: our own numbers, of the kinds of ISO 1173, 2725, 3318 and 10102.
+    """The tools in a TOML file; None, "built-in" and "catalogue" are the built-in ones: our own numbers, of the kinds of ISO 1173, 2725, 3318 and 10102.
 
     `feeler access --write-catalogue tools.toml` writes the built-in file, which explains itself. Raises `LoadError`
     for an invalid file, naming the table, and `MissingFileError`.
     """
-    if path is None:
+    if path is None or (isinstance(path, str) and path in BUILT_IN_NAMES):
         return _built_in()
     file = check_path("path", path)
     try:
@@ -172,7 +174,7 @@ def parsed_catalogue(text: str, where: str) -> Catalogue:
 
 def built_in_text() -> str:
     """The built-in file."""
-    return text_of(BUILT_IN)
+    return text_of(_BUILT_IN_FILE)
 
 
 @lru_cache(maxsize=1)

@@ -40,8 +40,6 @@ ANGLES, APPROACH_M = 72, 0.1
 """Steps around the axis, and the length of a way in, metres, unless told otherwise."""
 SWING_DEG = 60.0
 """The swing that a tool needs unless told otherwise."""
-BUILT_IN_NAME = "catalogue"
-"""What names the built-in catalogue."""
 MOST_TURNS = 1e6
 """Of a fastener."""
 FARTHEST_M = 1000.0
@@ -82,7 +80,7 @@ def access(
 
     - `tool`: a tool, or a `Catalogue`, of which the first tool is taken that fits by drive and size and reaches: kinds
       in its order, of chains the shortest extension first. `Reach.tried` says why those before do not reach.
-      "catalogue" is the built-in one, other texts are paths of TOML files.
+      "built-in" and "catalogue" are the built-in one, other texts are paths of TOML files.
     - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The tool may touch
       the fastener at the seat, while swinging, and on a straight way; not when it is pulled off sideways, so that a
       ring does not pass through the head. The fastener of a bare frame is the part nearest to its origin, up to 20 mm
@@ -121,7 +119,7 @@ def access(
     search = SeatSearch(SWING_DEG if needed is None else needed, steps, way, gap)
     asked: _Asked
     if isinstance(tool, (str, os.PathLike)):
-        tool = catalogue(None if tool == BUILT_IN_NAME else tool)
+        tool = catalogue(tool)
     if isinstance(tool, Catalogue):
         asked = _chosen(tool, targets, needed, search, hand, grip, lift)
     else:

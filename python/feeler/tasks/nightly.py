@@ -54,8 +54,6 @@ from feeler.tasks.watched import Recall, WatchedScene
 
 Floats = npt.NDArray[np.float64]
 
-BUILT_IN_TOOLS = "built-in"
-"""Instead of a file: the built-in catalogue."""
 EYES = 32
 EYE_M = 0.35
 """Without `eyes`: as many places of the eyes around each head, and how far from it they are, metres."""
@@ -169,7 +167,7 @@ def _tools(tools: TaskTools) -> TaskTools:
     """A file is read once, here: workers may be elsewhere, and rows depend on its content."""
     if not isinstance(tools, (str, os.PathLike)):
         return tools
-    return catalogue() if tools == BUILT_IN_TOOLS else catalogue(tools)
+    return catalogue(tools)
 
 
 def _previous(given: Maintenance | str | os.PathLike[str] | None) -> Maintenance | None:

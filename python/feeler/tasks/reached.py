@@ -30,7 +30,6 @@ HeldTool = Tool | tuple[Tool, Mapping[str, Any]]
 """A tool, also with options of `access`."""
 TaskTools = Catalogue | str | os.PathLike[str] | HeldTool | Sequence[HeldTool] | Mapping[str, HeldTool] | None
 """A catalogue, its TOML file, "built-in"; or tools: one, a list, a dict by name; None: all is reached."""
-BUILT_IN = "built-in"
 """Instead of a file: the built-in catalogue."""
 ASSUMED_DEG = 60.0
 """The swing without tools: nothing says more."""
@@ -325,8 +324,6 @@ def _room(
 
 def _catalogue(tools: TaskTools) -> Catalogue | None:
     """A catalogue, its file, or the built-in one; None for other tools."""
-    if isinstance(tools, str) and tools == BUILT_IN:
-        return catalogue()
     if isinstance(tools, (str, os.PathLike)):
         return catalogue(tools)
     return tools if isinstance(tools, Catalogue) else None
