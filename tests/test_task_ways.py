@@ -193,6 +193,24 @@ def test_a_part_that_goes_up_and_then_sideways_needs_no_others_out() -> None:
     assert kept.is_found and len(kept.steps) == 1
 
 
+def test_a_part_that_another_plan_leaves_in_place_has_a_bent_way() -> None:
+    """The peg leaves upwards once the lid is out, which waits for a roof in its straight way; or downwards once the tray
+    is out, which is quicker than roof and lid, but not than the lid alone."""
+    rim = [box((x, -0.03, 0.0), (x + 0.002, 0.03, 0.004)) for x in (-0.032, 0.03)]
+    rim += [box((-0.03, y, 0.0), (0.03, y + 0.002, 0.004)) for y in (-0.032, 0.03)]
+    floor = [box((-0.032, -0.032, -0.02), (0.032, 0.032, -0.01)), box((-0.01, -0.032, -0.01), (0.032, 0.032, 0.0))]
+    floor += [box((-0.032, -0.032, -0.01), (-0.02, 0.032, 0.0)), box((-0.02, -0.032, -0.01), (-0.01, 0.0, 0.0))]
+    parts = {
+        "tray": joined(*floor, box((-0.02, 0.01, -0.01), (-0.01, 0.032, 0.0)), *rim),
+        "peg": box((-0.0199, 0.0001, -0.0099), (-0.0101, 0.0099, 0.0)),
+        "lid": box((-0.029, -0.029, 0.0001), (0.029, 0.029, 0.003)),
+        "roof": box((0.0, -0.05, 0.02), (0.05, 0.05, 0.03)),
+    }
+    task = feeler.task(scene_of(parts), "peg", times=feeler.Times(typed={"tray": [15.0, 1.0]}), threads=1)
+    assert [step.part for step in task.steps] == ["lid", "peg"]
+    assert task.bound == task.seconds
+
+
 def pocket(lidded: bool) -> dict[str, Mesh]:
     """An insert in a pocket, below a lid and a bar, whose legs leave room for it beside them."""
     walls = [box((-0.06, -0.06, -0.02), (-0.012, 0.06, 0.0)), box((0.012, -0.06, -0.02), (0.06, 0.06, 0.0))]

@@ -242,6 +242,10 @@ class BlockingGraph:
         """The exits of a part that were computed so far."""
         return self._exits.get(node, [])
 
+    def asked(self) -> list[int]:
+        """The parts of which exits are known."""
+        return sorted(self._exits)
+
     def known_blockers(self, node: int) -> dict[int, int]:
         """The blockers of a part that are known so far, and along how many directions each stands in its way."""
         found: dict[int, int] = {}

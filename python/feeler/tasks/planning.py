@@ -27,6 +27,7 @@ from feeler.spreading import check_executor
 from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import Ahead
 from feeler.tasks.answer import Task, TaskInterrupted
+from feeler.tasks.beside import asks_beside
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.forced import forced_order
@@ -364,7 +365,7 @@ class _Planner:
                 if self.gives_up(self.plugs) or not (found.is_complete and self._try_bent(found)):
                     break
             else:
-                is_new = self._asks_before(found.steps) or self._frees_riders(found)
+                is_new = self._asks_before(found.steps) or self._frees_riders(found) or self._asks_beside(found)
                 checked = None if is_new else self._checked(found.steps)
                 if checked is not None:
                     return self._answer(found, checked)
@@ -514,6 +515,10 @@ class _Planner:
         """Whether a way is found for something that only had to ride along since no straight motion takes it out."""
         has_riders = any(step.unit.riding for step in found.steps or ())
         return found.is_complete and has_riders and self._try_bent(found, is_wide=False)
+
+    def _asks_beside(self, found: Found) -> bool:
+        """Whether a part that the plan leaves in place has a bent way that the search did not know."""
+        return found.steps is not None and asks_beside(self.actions, self.leading, found.steps, found.seconds)
 
     def _bodies(self, item: int) -> list[frozenset[int]]:
         """What rode on a part where its ways were looked for, and nothing."""
