@@ -656,6 +656,10 @@ NOT_NUMBERS: dict[str, Callable[[feeler.Scene], object]] = {
     "text as a way": lambda s: feeler.Slide(["0", "0", "1"]),
     "truths as an axis": lambda s: feeler.Screw([True, False, False], [0, 0, 0], 1.0),
     "a truth as an angle": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], True),
+    "a truth of NumPy as an angle": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], np.True_),
+    "a truth of NumPy as a distance": lambda s: feeler.clash(s, clearance=np.True_),
+    "a truth as a lift": lambda s: feeler.access(s, s.mockup, np.eye(4), lift=True),
+    "dates as turns": lambda s: feeler.access(s, s.mockup, np.eye(4), turns=np.array(["2020-01-01"], "M8[D]")),
     "a truth as a pitch": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], 1.0, False),
     "text as directions": lambda s: feeler.removal(s, "a", directions=[["0", "0", "1"]]),
     "truths as directions": lambda s: feeler.removal(s, "a", directions=[[True, False, False]]),
@@ -665,7 +669,7 @@ NOT_NUMBERS: dict[str, Callable[[feeler.Scene], object]] = {
 @pytest.mark.parametrize("what", list(NOT_NUMBERS))
 def test_text_and_truths_are_no_numbers_of_motions(what: str) -> None:
     scene = pair()
-    with pytest.raises(feeler.OptionError, match=r"give three numbers|give a number|real numbers"):
+    with pytest.raises(feeler.OptionError, match=r"give three numbers|give (a )?(number|metres)|real numbers"):
         NOT_NUMBERS[what](scene)
 
 

@@ -37,7 +37,8 @@ def shown(value: object) -> str:
 
 def check_real(what: str, value: object, give: str = "a number") -> float:
     """A real number, infinite and NaN too. give: what errors ask for. Raises `OptionError` for other values."""
-    if isinstance(value, (bool, str, bytes)) or (isinstance(value, np.ndarray) and value.ndim):
+    is_other = isinstance(value, (bool, str, bytes))
+    if is_other or (isinstance(value, (np.ndarray, np.generic)) and (value.ndim or value.dtype.kind not in "fiuO")):
         raise OptionError(f"{what} is {shown(value)}: give {give}")
     try:
         return float(value)  # type: ignore[arg-type]
@@ -172,6 +173,15 @@ def check_array(what: str, value: object, shape: tuple[int | None, ...], *, is_f
     if is_finite and not np.isfinite(given).all():
         raise OptionError(f"{what} has a number that is not finite: give finite numbers, {wanted}")
     return given
+
+
+def numbers_of(value: object) -> npt.NDArray[np.float64]:
+    """Real numbers, one or several; a NaN for anything else."""
+    try:
+        array = np.asarray(value)
+        return array.astype(np.float64, copy=False) if array.dtype.kind in "fiu" else np.array(np.nan)
+    except UNREADABLE:
+        return np.array(np.nan)
 
 
 def mask_of(value: object) -> npt.NDArray[np.bool_] | None:

@@ -3,7 +3,7 @@
 use feeler_core as core;
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyTuple};
+use pyo3::types::PyTuple;
 
 use crate::arguments::{checked, PoseArgument};
 use crate::arrays::pose_array;
@@ -39,11 +39,7 @@ pub fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<core::Point> {
 }
 
 fn number(what: &str, object: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let wrong = || raise("OptionError", format!("{what} of the screw is {object:?}: give a number"));
-    if object.is_instance_of::<PyBool>() {
-        return Err(wrong());
-    }
-    object.extract().map_err(|_| wrong())
+    checked(object.py(), "check_real", (format!("{what} of the screw"), object))
 }
 
 #[pymethods]

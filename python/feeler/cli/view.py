@@ -238,7 +238,6 @@ def _begin_mechanism(session: Session, name: str, text: str) -> None:
 def _mechanism_of(path: Path) -> tuple[str, str]:
     """The name and the text of a file, whose mistakes are told before anything is loaded. Raises `LoadError`."""
     from feeler.io.text import text_of
-    from feeler.plan.catalogue import BUILT_IN_NAMES
     from feeler.mechanism import files
 
     files.read(path)

@@ -168,7 +168,7 @@ def _kept(parts: PartsLike) -> PartsLike:
     """Parts as a joint keeps them: what can change is copied."""
     if isinstance(parts, (str, int, np.integer, Part)) or not isinstance(parts, Iterable):
         return parts
-    if isinstance(parts, np.ndarray) and parts.ndim != 1:
+    if isinstance(parts, (bytes, bytearray)) or (isinstance(parts, np.ndarray) and parts.ndim != 1):
         raise OptionError(f"{shown(parts)} names no part: give an index, a path or pattern, or several")
     mask = mask_of(parts)
     if mask is not None:

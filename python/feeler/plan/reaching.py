@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import UNREADABLE, check_kind, check_number, check_progress, check_threads, check_whole, shown
+from feeler.arguments import check_kind, check_number, check_progress, check_threads, check_whole, numbers_of, shown
 from feeler.choices import GripAxis
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
@@ -193,7 +193,7 @@ def _chosen(
     """The arguments of a catalogue."""
     if not isinstance(targets, Fasteners):
         raise OptionError("a catalogue chooses by drive and size: give feeler.Fasteners as targets, not frames")
-    if grip is not None or not (isinstance(lift, (int, float)) and lift == 0.0):
+    if grip is not None or not (isinstance(lift, (int, float)) and not isinstance(lift, bool) and lift == 0.0):
         raise OptionError("a catalogue's tools know their seat: leave out grip and lift")
     held = None
     if hand is not None:
@@ -205,10 +205,7 @@ def _chosen(
 
 
 def _turns(turns: float | npt.ArrayLike, count: int) -> list[float]:
-    try:
-        numbers = np.asarray(turns, dtype=np.float64)
-    except UNREADABLE:
-        numbers = np.array(np.nan)
+    numbers = numbers_of(turns)
     if numbers.shape not in ((), (count,)) or not ((numbers > 0.0) & (numbers <= MOST_TURNS)).all():
         raise OptionError(
             f"turns is {shown(turns)}: give numbers above 0 up to 1,000,000, one or one for each of {count} targets"
@@ -246,10 +243,7 @@ def _targets(scene: Scene, targets: Fasteners | PoseLike | PosesLike) -> tuple[F
 
 
 def _lifted(frames: Floats, lift: float | npt.ArrayLike) -> Floats:
-    try:
-        heights = np.asarray(lift, dtype=np.float64)
-    except UNREADABLE:
-        heights = np.array(np.nan)
+    heights = numbers_of(lift)
     if heights.shape not in ((), (len(frames),)) or not (np.abs(heights) <= FARTHEST_M).all():
         raise OptionError(
             f"lift is {shown(lift)}: give metres, -1,000 to 1,000, one number or one for each of {len(frames)} targets"
