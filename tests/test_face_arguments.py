@@ -652,14 +652,15 @@ MASKED = {
 TRIANGLE = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
 
 
+DATES: Any = np.array(["2020-01-01"], "M8[D]")
 NOT_NUMBERS: dict[str, Callable[[feeler.Scene], object]] = {
     "text as a way": lambda s: feeler.Slide(["0", "0", "1"]),
     "truths as an axis": lambda s: feeler.Screw([True, False, False], [0, 0, 0], 1.0),
     "a truth as an angle": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], True),
     "a truth of NumPy as an angle": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], np.True_),
-    "a truth of NumPy as a distance": lambda s: feeler.clash(s, clearance=np.True_),
-    "a truth as a lift": lambda s: feeler.access(s, s.mockup, np.eye(4), lift=True),
-    "dates as turns": lambda s: feeler.access(s, s.mockup, np.eye(4), turns=np.array(["2020-01-01"], "M8[D]")),
+    "a truth of NumPy as a distance": lambda s: feeler.clash(s.mockup, clearance=np.True_),
+    "a truth as a lift": lambda s: feeler.access(s, feeler.sample_tool("wrench"), np.eye(4), lift=True),
+    "dates as turns": lambda s: feeler.access(s, feeler.sample_tool("wrench"), np.eye(4), turns=DATES),
     "a truth as a pitch": lambda s: feeler.Screw([0, 0, 1], [0, 0, 0], 1.0, False),
     "text as directions": lambda s: feeler.removal(s, "a", directions=[["0", "0", "1"]]),
     "truths as directions": lambda s: feeler.removal(s, "a", directions=[[True, False, False]]),

@@ -194,8 +194,8 @@ def test_a_part_that_goes_up_and_then_sideways_needs_no_others_out() -> None:
 
 
 def test_a_part_that_another_plan_leaves_in_place_has_a_bent_way() -> None:
-    """The peg leaves upwards once the lid is out, which waits for a roof in its straight way; or downwards once the tray
-    is out, which is quicker than roof and lid, but not than the lid alone."""
+    """The peg leaves upwards once the lid is out, which waits for a roof in its straight way; or downwards once the
+    tray is out, which is quicker than roof and lid, but not than the lid alone."""
     rim = [box((x, -0.03, 0.0), (x + 0.002, 0.03, 0.004)) for x in (-0.032, 0.03)]
     rim += [box((-0.03, y, 0.0), (0.03, y + 0.002, 0.004)) for y in (-0.032, 0.03)]
     floor = [box((-0.032, -0.032, -0.02), (0.032, 0.032, -0.01)), box((-0.01, -0.032, -0.01), (0.032, 0.032, 0.0))]

@@ -151,8 +151,8 @@ class Catalogue(Sequence[ToolSpec]):
 
 
 def catalogue(path: str | os.PathLike[str] | None = None) -> Catalogue:
-    """The tools in a TOML file; None, "built-in" and "catalogue" are the built-in ones: our own numbers, of the kinds of
-    ISO 1173, 2725, 3318 and 10102.
+    """The tools in a TOML file; None, "built-in" and "catalogue" are the built-in ones: our own numbers, of the kinds
+    of ISO 1173, 2725, 3318 and 10102.
 
     `feeler access --write-catalogue tools.toml` writes the built-in file, which explains itself. Raises `LoadError`
     for an invalid file, naming the table, and `MissingFileError`.
