@@ -54,6 +54,17 @@ def test_a_requirement_holds_from_its_gap_on(a: str, gap: float, holds: bool) ->
     assert turned.status == found.status, "the order of the sides does not matter"
 
 
+@pytest.mark.parametrize("gap", [0.001, 0.16, 0.3])
+def test_a_gap_that_is_drawn_as_required_holds(tmp_path: Path, gap: float) -> None:
+    """Arithmetic rounds, and files of single precision do."""
+    low = 0.1 + 0.2
+    mockup = mockup_of({"a": box((0, 0, 0), (low, 1, 1)), "b": box((low + gap, 0, 0), (3, 1, 1))})
+    write_glb(tmp_path / "gap.glb", mockup)
+    for world, off in ((mockup, 1e-12), (feeler.load_mockup(tmp_path / "gap.glb"), 2e-6)):
+        assert feeler.verify(world, [asked("a", "b", gap)])[0]
+        assert not feeler.verify(world, [asked("a", "b", gap + off)])[0]
+
+
 def test_the_worst_pair_is_reported() -> None:
     (found,) = feeler.verify(yard(), [asked("pipes", "duct/wall", 0.02)])
     assert (found.pairs, {found.path_a, found.path_b}) == (3, {"pipes/sunk", "duct/wall"})
@@ -205,8 +216,13 @@ def test_what_a_project_cannot_verify(tmp_path: Path) -> None:
     assert "nothing says what must hold" in error_of("verify", tmp_path / "yard.glb")
     assert "does not exist" in error_of("verify", tmp_path / "yard.glb", "--project", tmp_path / "no.feelproj")
     assert not (tmp_path / "no.feelproj").exists()
-    none = project_of(tmp_path, ("none", "*nothing*", "*", 0.1))
-    assert "requirement 'none', a: " in error_of("verify", none)
+    none = project_of(tmp_path, ("none", "*nothing*", "*", 0.1), ("near", "*near", "*wall", 0.02))
+    done = run("verify", none, code=2)
+    assert done.stderr == "feeler: not checked, since a pattern matches no part: 'none'\n"
+    assert "2 requirements: 1 violated, 0 hold, 1 not checked" in done.stdout
+    assert "unknown   none: a: " in done.stdout and "violated  near: " in done.stdout
+    rows = json.loads(run("verify", none, "--json", code=2).stdout)
+    assert [each["status"] for each in rows["requirements"]] == ["unknown", "violated"] and not rows["holds"]
     for text in ('{"id":1,"name":"","a":"*","b":"*","gap":1}', '{"id":1,"name":"x","a":"*","b":"*","gap":-1}', "[]"):
         book = open_or_make(path)
         book.write([put("requirements", "1", 0, text)])

@@ -17,6 +17,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from feeler.arguments import (
     check_kind,
     check_length,
@@ -29,6 +31,8 @@ from feeler.arguments import (
     shown,
 )
 from feeler.clashes import Clash, Rule, Rules, Verdict, clash
+from feeler.clashes.finding import least_contact
+from feeler.clashes.retried import ROUNDOFFS
 from feeler.clashes.rules import WordsLike
 from feeler.errors import LoadError, MeshError, OptionError
 from feeler.field_docs import documented
@@ -136,10 +140,11 @@ def verify(
 ) -> tuple[Verified, ...]:
     """Whether each requirement holds in a scene, in their order. Parts that the scene is without do not count.
 
-    Distances are exact up to rounding, as in `feeler.clash`. Parts that overlap, or of which one is inside the other,
-    violate every requirement. threads: default all. progress: called with the share done (0 to 1) and the stage. Raises
-    `OptionError` for invalid requirements, and patterns that match no part; `MissingFileError` and `LoadError` for
-    their file.
+    Distances are exact. A gap may be less than required by what the rounding of coordinates explains: 32 units in the
+    last place of the largest, and four times the rounding of the files (`mockup.source.rounding`). Parts that overlap,
+    or of which one is inside the other, violate every requirement. threads: default all. progress: called with the
+    share done (0 to 1) and the stage. Raises `OptionError` for invalid requirements, and patterns that match no part;
+    `MissingFileError` and `LoadError` for their file.
     """
     given: object = scene
     if not isinstance(given, (Scene, Mockup)):
@@ -166,7 +171,8 @@ def _verified(scene: Scene, asked: Requirement, threads: int | None) -> Verified
         found = clash(scene.mockup, asked.gap, 0.0, rules, scene=scene, threads=threads)
     except OptionError as error:
         raise OptionError(str(error).replace(f", rule {asked.name!r}", "")) from None
-    wrong = [each for each in found if _is_wrong(each, asked.gap)]
+    least = asked.gap - _rounding(scene.mockup)
+    wrong = [each for each in found if _is_wrong(each, least)]
     if not wrong:
         return Verified(asked, "holds")
     worst = min(wrong, key=_order)
@@ -188,6 +194,12 @@ def _is_wrong(each: Clash, gap: float) -> bool:
     if each.verdict in (Verdict.CLEARANCE, Verdict.CONTACT):
         return each.gap < gap
     return True
+
+
+def _rounding(mockup: Mockup) -> float:
+    """How much less than they were drawn gaps may be by the rounding of coordinates, metres: as for contacts."""
+    corners = np.abs(mockup.part_bounds[np.isfinite(mockup.part_bounds)])
+    return least_contact(mockup) + ROUNDOFFS * float(np.spacing(corners.max(initial=0.0)))
 
 
 def _order(each: Clash) -> tuple[float, ...]:

@@ -115,7 +115,7 @@ def clash(
         found.clearance,
         found.contact,
         class_of_part=found.class_of_part,
-        copies_within=_least_contact(mockup),
+        copies_within=least_contact(mockup),
         exclude=found.exclude,
         threads=threads,
         progress=_staged(progress, _INDEXED, _FOUND if volume else 1.0),
@@ -139,7 +139,7 @@ def clash(
         hidden=hidden,
         present=int(np.count_nonzero(present)),
         rules=found.asked,
-        least_contact=_least_contact(mockup),
+        least_contact=least_contact(mockup),
         open_parts=tuple(mockup.part_paths[part] for part in rims),
         notes=tuple(notes),
         names=_names(mockup),
@@ -200,7 +200,7 @@ def _limits(
         mockup.source.chord_tolerance,
         pairs,
         shape_of(mockup),
-        _least_contact(mockup),
+        least_contact(mockup),
     )
     if not wide:
         return found
@@ -217,7 +217,7 @@ def _names(mockup: Mockup) -> tuple[tuple[str, str], ...]:
     return tuple((keys[part], mockup.part_names[part]) for part in other)
 
 
-def _least_contact(mockup: Mockup) -> float:
+def least_contact(mockup: Mockup) -> float:
     """The least `contact`, metres: how far apart the rounding of the file's coordinates may put faces that are
     flush, or copies of one surface."""
     return CONTACT_ROUNDINGS * mockup.source.rounding
@@ -275,7 +275,7 @@ def _with_volumes(
 def _flush(mockup: Mockup) -> float:
     """The largest depth of flush faces that rounding explains, metres. Up to it no shared volume is measured."""
     largest = float(np.abs(mockup.bounds).max(initial=0.0, where=np.isfinite(mockup.bounds)))
-    return max(_least_contact(mockup), _FLUSH_UNITS * float(np.spacing(largest)))
+    return max(least_contact(mockup), _FLUSH_UNITS * float(np.spacing(largest)))
 
 
 def _staged(progress: Progress | None, begin: float, end: float) -> Progress | None:

@@ -24,8 +24,8 @@ from feeler.words import length
 OTHERS = "others = false"
 """The key in `Clashes.hidden` for findings that no rule names."""
 
-_ROUNDOFFS = 32.0
-"""`COORDINATE_ROUNDOFFS` of the core: parts touch if their depth is at most this many units in the last place of the
+ROUNDOFFS = 32.0
+"""`COORDINATEROUNDOFFS` of the core: parts touch if their depth is at most this many units in the last place of the
 largest coordinate."""
 
 _WALL_LENGTH = 1.5
@@ -219,7 +219,7 @@ def _judged(clashes: Table, columns: Columns, rules: Sequence[Rule]) -> _Judged:
 def _rounding(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
     """The least contact of some rows, metres, `(k,)`: the rounding of their largest coordinate."""
     largest = np.abs(_boxes(clashes, columns, rows)).max(axis=(1, 2, 3), initial=0.0)
-    return np.asarray(_ROUNDOFFS * np.spacing(largest))
+    return np.asarray(ROUNDOFFS * np.spacing(largest))
 
 
 def _boxes(clashes: Table, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import feeler
-from feeler.cli.app import FOUND, command
+from feeler.cli.app import BAD_INPUT, FOUND, command, fail
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
@@ -24,7 +25,7 @@ from feeler.cli.inputs import (
 )
 from feeler.cli.projects import Work, files_of, named_project, open_named, with_options
 from feeler.errors import LoadError, OptionError
-from feeler.progress import bar
+from feeler.progress import Progress, bar
 from feeler.requirements import Requirement, Verified
 from feeler.words import plural
 
@@ -67,7 +68,7 @@ def verify(
     A project instead of the mock-up, or beside it, has the requirements of the workbench. Alone it stands for the
     mock-up that it names. Its parts are checked where the file has them, also those that were moved in the workbench.
 
-    Exit status: 0 all hold, 1 one is violated, 2 bad input.
+    Exit status: 0 all hold, 1 one is violated, 2 bad input, or a pattern that matches no part.
     """
     from feeler.cli import outputs
 
@@ -86,21 +87,53 @@ def verify(
         asked = _kept(book, world)
     scene = indexed(world, work.without, work.only, threads)
     with bar("checking") as progress:
-        found = feeler.verify(scene, asked, threads=threads, progress=progress)
-    is_violated = not all(found)
+        found = [_checked(scene, asked, number, threads, progress) for number in range(len(asked))]
     if as_json:
-        rows = [each.to_dict() for each in found]
-        outputs.print_json({"mockup": mesh_facts(world), "holds": not is_violated, "requirements": rows})
+        rows = [each.to_dict() if isinstance(each, Verified) else _unknown(*each) for each in found]
+        outputs.print_json({"mockup": mesh_facts(world), "holds": all(map(_is_kept, found)), "requirements": rows})
     else:
         out = outputs.console()
-        wrong = sum(not each for each in found)
-        kept = len(found) - wrong
+        unknown = sum(not isinstance(each, Verified) for each in found)
+        kept = sum(map(_is_kept, found))
         hold = "holds" if kept == 1 else "hold"
-        outputs.say(out, f"{plural(len(found), 'requirement')}: {wrong:,} violated, {kept:,} {hold}")
+        more = f", {unknown:,} not checked" if unknown else ""
+        said = f"{len(found) - kept - unknown:,} violated, {kept:,} {hold}{more}"
+        outputs.say(out, f"{plural(len(found), 'requirement')}: {said}")
         for each in found:
-            outputs.say(out, f"  {_line(each)}")
-    if is_violated:
+            outputs.say(out, f"  {_line(each) if isinstance(each, Verified) else _why(*each)}")
+    if lost := [each[0].name for each in found if not isinstance(each, Verified)]:
+        fail(f"not checked, since a pattern matches no part: {', '.join(map(repr, lost))}")
+        raise typer.Exit(BAD_INPUT)
+    if not all(map(_is_kept, found)):
         raise typer.Exit(FOUND)
+
+
+_Checked = Verified | tuple[Requirement, str]
+"""An answer, or why there is none."""
+
+
+def _checked(
+    scene: feeler.Scene, asked: Sequence[Requirement], number: int, threads: int | None, progress: Progress
+) -> _Checked:
+    """The answer to one of the requirements; one that names no part does not keep the others from theirs."""
+    progress(number / len(asked), asked[number].name)
+    try:
+        return feeler.verify(scene, [asked[number]], threads=threads)[0]
+    except OptionError as error:
+        return asked[number], str(error)
+
+
+def _is_kept(each: _Checked) -> bool:
+    return isinstance(each, Verified) and bool(each)
+
+
+def _unknown(asked: Requirement, trouble: str) -> dict[str, object]:
+    row = {"name": asked.name, "a": list(asked.a), "b": list(asked.b), "required_gap": asked.gap}
+    return {**row, "status": "unknown", "trouble": trouble}
+
+
+def _why(asked: Requirement, trouble: str) -> str:
+    return f"unknown   {asked.name}: {trouble.removeprefix(f'requirement {asked.name!r}, ')}"
 
 
 def _kept(book: Book, world: feeler.Mockup) -> tuple[Requirement, ...]:
