@@ -476,8 +476,9 @@ def test_entities_are_refused(tmp_path):
     text = dae(scene(node())).replace(
         '<?xml version="1.0"?>', '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]>'
     )
-    with pytest.raises(LoadError, match="document type"):
+    with pytest.raises(LoadError, match="document type") as told:
         load(tmp_path, text)
+    assert "UTF-8" not in str(told.value), "its encoding is not what is wrong"
     path = tmp_path / "wide.dae"
     path.write_bytes(text.replace('version="1.0"?>', 'version="1.0" encoding="utf-16"?>', 1).encode("utf-16"))
     with pytest.raises(LoadError, match="document type"):

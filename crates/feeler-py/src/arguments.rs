@@ -242,7 +242,7 @@ fn real_numbers<'py, D: numpy::ndarray::Dimension>(
         Ok(array) => Ok(array.readonly()),
         Err(_) => {
             let other = match D::NDIM {
-                Some(2) => "one pose; queries of many have _batch in their names",
+                Some(2) => "one pose; collide_batch, distance_batch and clearance_batch take many",
                 _ => "many poses; [pose] is a list of one",
             };
             let (found, of) = (array.getattr("shape")?, are.replace(" is", " has").replace(" are", " have"));

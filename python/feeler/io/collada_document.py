@@ -188,6 +188,8 @@ class Document:
             parser.Parse(data, True)
         except expat.ExpatError as error:
             raise self.fail(f"the XML is damaged ({error})") from error
+        except LoadError:
+            raise
         except (ValueError, LookupError) as error:  # of an encoding that expat does not read
             raise LoadError(f"{self.path}: the encoding of its text is not read ({error}); save it as UTF-8") from error
         return roots[0]
