@@ -267,7 +267,7 @@ def test_several_tools_and_their_options(covered: feeler.Scene) -> None:
     for odd in ((), [()], ("a",), [("a",)], {"w": ()}, {"w": (driver(),)}):
         with pytest.raises((OptionError, MeshError), match="tools"):
             feeler.task(covered, "cover", odd)
-    for bad in ([], {"a": 3}, "catalogue", (driver(), {"grab": "y"}), [driver(), driver()], (driver(), {"lift": "x"})):
+    for bad in ([], {"a": 3}, "tools.toml", (driver(), {"grab": "y"}), [driver(), driver()], (driver(), {"lift": "x"})):
         with pytest.raises((OptionError, MeshError, LoadError)):
             feeler.task(covered, "cover", bad)
 
