@@ -16,7 +16,7 @@ from feeler.workbench.engine.device import DeviceHand
 
 LOOKS = 700
 """At each place of the hand; and `PLACES`: guards against waiting for ever, no measurement."""
-PLACES = 40
+PLACES = 120
 
 
 @pytest.fixture
