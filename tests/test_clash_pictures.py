@@ -10,9 +10,14 @@ import trimesh
 from clash_scene import house
 
 import feeler
+from feeler.choices import UpAxis
 from feeler.clashes import pictures, write_html
 from feeler.clashes.pictures import Pictures, _Triangles
 from feeler.part_meshes import PartMeshes
+from feeler.picture.camera import upright_frame, usual_view, vertical_of
+from feeler.source import Source
+from feeler.workbench.engine.geometry import Geometry
+from feeler.workbench.report.values import PairPlace
 
 
 def test_the_triangles_near_a_place_are_those_whose_boxes_meet_it(rng: np.random.Generator) -> None:
@@ -75,3 +80,56 @@ def test_both_parts_of_a_gap_are_seen(monkeypatch: pytest.MonkeyPatch, gap: floa
             blue = (image[..., 2] > image[..., 0] + 40).mean()
             orange = (image[..., 0] > image[..., 2] + 60).mean()
             assert blue > 0.002 and orange > 0.002, (axis, side, blue, orange)
+
+
+@pytest.mark.parametrize("up", ["x", "y", "z", None])
+@pytest.mark.parametrize("long", range(3))
+def test_pictures_stand_as_in_the_page(up: UpAxis | None, long: int) -> None:
+    """Whichever side is the longest: a tower lies down only in a file that says so."""
+    box = trimesh.creation.box(np.where(np.arange(3) == long, 0.5, 0.02))
+    away = np.where(np.arange(3) == (long + 1) % 3, 0.015, 0.0)
+    corners, faces = np.concatenate([box.vertices, box.vertices + away]), np.concatenate([box.faces, box.faces + 8])
+    source = Source(up=up)
+    mockup = feeler.Mockup(corners, faces, np.repeat([0, 1], 12), ["a", "b"], source=source)
+    (found,) = feeler.clash(mockup)
+    above = np.eye(3)["xyz".index(up or "z")]
+    _, upward, _ = Pictures(mockup).view(found).camera.axes()
+    assert upward @ above > 0.4
+    geometry = Geometry(feeler.Scene(mockup), "", "")
+    assert geometry.manifest()["up"] == source.vertical == vertical_of(mockup)
+    for pictured in (usual_view(mockup.bounds, source.vertical), usual_view(np.zeros((2, 3)), source.vertical)):
+        assert (pictured[1] == above).all() and pictured[0] @ upright_frame(source.vertical)[1] > 0.0, "from the front"
+
+
+def plates(gap: float, out: float = 0.0) -> feeler.Mockup:
+    """Two plates over each other with a gap, and a lip of the upper one that hides the gap from three sides."""
+    boxes = [
+        trimesh.creation.box(bounds=[[0.0, 0.0, 0.0], [0.1, 0.1, 0.01]]),
+        trimesh.creation.box(bounds=[[0.0, 0.0, 0.01 + gap], [0.1, 0.1, 0.02]]),
+        trimesh.creation.box(bounds=[[-0.02, -0.02, -0.01], [0.12, -0.01, 0.02]]),
+        trimesh.creation.box(bounds=[[-0.02, -0.02, -0.01], [-0.01, 0.12, 0.02]]),
+        trimesh.creation.box(bounds=[[-0.02, 0.11, -0.01], [0.12, 0.12, 0.02]]),
+    ]
+    if out:
+        boxes.append(trimesh.creation.box(bounds=[[0.11, -0.02, -0.01], [0.12, 0.12, 0.02]]))
+    corners = np.concatenate([each.vertices for each in boxes])
+    faces = np.concatenate([each.faces + 8 * number for number, each in enumerate(boxes)])
+    return feeler.Mockup(corners, faces, np.repeat(np.minimum(np.arange(len(boxes)), 1), 12), ["lower", "upper"])
+
+
+@pytest.mark.parametrize("is_closed", [False, True])
+@pytest.mark.parametrize("point", [(0.05, 0.05), (0.1, 0.05), (0.1, 0.1)])
+def test_the_place_of_a_gap_is_seen(point: tuple[float, float], is_closed: bool) -> None:
+    """From the open side, or cut open where there is none: exact rays from the eye meet nothing before it."""
+    mockup = plates(0.001, float(is_closed))
+    one, other = (*point, 0.01), (*point, 0.011)
+    found = PairPlace(0, 1, one, other, (0.0, 0.0, 0.0))
+    view = Pictures(mockup).view(found)
+    eye, place = np.array(view.camera.eye), (np.array(one) + np.array(other)) / 2
+    kept = None if view.normal is None else [[*-view.normal, -float(view.normal @ view.point)]]
+    way = place - eye
+    (met,) = (
+        feeler.Scene(mockup).rays(eye[None], way[None], within=0.999 * np.linalg.norm(way), sections=kept).triangles
+    )
+    assert met < 0
+    assert view.normal is not None or point != (0.05, 0.05) or not is_closed

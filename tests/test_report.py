@@ -34,7 +34,7 @@ from feeler.workbench.report.as_xlsx import xlsx_bytes
 from feeler.workbench.report.content import report_of
 from feeler.workbench.report.drawing import Drawing
 from feeler.workbench.report.source import Source, of_book
-from feeler.workbench.report.values import Media
+from feeler.workbench.report.values import Media, PairPlace
 from feeler.workbench.session.record import digest
 from feeler.workbench.session.session import Session
 
@@ -608,3 +608,20 @@ def test_damaged_values_are_told_or_shown(
 def test_columns_of_a_page_are_never_wider_than_a_narrow_screen(there: Path) -> None:
     page = as_html.html_page(report_of(source_of(there), WHEN), Media()).decode()
     assert "minmax(min(" in page and not re.findall(r"minmax\([1-9]\d*px", page)
+
+
+def test_the_head_says_what_it_counts(there: Path) -> None:
+    """Contacts are no findings that are open; findings without a picture are counted with the contacts among them."""
+    report = report_of(source_of(there), WHEN)
+    one = report.findings[0]
+    rows = tuple(
+        replace(one, id=f"f{number}", status=status, is_touching=is_touching)
+        for number, (status, is_touching) in enumerate(
+            [("new", False), ("active", False), ("approved", False), ("new", True), ("new", True), ("new", True)]
+        )
+    )
+    png = Drawing(mockup()).pair(PairPlace(0, 1, (0.0,) * 3, (0.0,) * 3, (0.0,) * 3))
+    made = Media(pictures={"finding-f0": [png], "finding-f3": [png]})
+    page = as_html.html_page(replace(report, findings=rows), made).decode()
+    assert "<b>2 open</b><span>of 3 findings, 3 contacts not counted</span>" in page
+    assert "4 more findings without a picture, 2 contacts among them: see the list." in page

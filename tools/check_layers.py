@@ -302,7 +302,7 @@ ROOMS: dict[str, set[str]] = {
     "memory": set(),
     # The files of saved scenes, which mock-ups and scenes can be in.
     "saved": {"_core", "arguments", "attributes", "errors", "memory", "source"},
-    "source": {"field_docs"},
+    "source": {"choices", "field_docs"},
     "mockup": {
         *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
         *("field_docs", "words"),

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
+from feeler.choices import UpAxis
 from feeler.field_docs import documented
 
 
@@ -33,3 +35,8 @@ class Source:
     doubts: tuple[str, ...] = ()
     chord_tolerance: float | None = None
     rounding: float = 0.0
+
+    @property
+    def vertical(self) -> UpAxis:
+        """The axis that is drawn upright: `up`, or z if it is unknown."""
+        return cast(UpAxis, self.up or "z")

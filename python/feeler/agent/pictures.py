@@ -13,6 +13,7 @@ from feeler.agent.queries import Answer, Given
 from feeler.agent.served import Served
 from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, RED, Body, body_of, only_faces
+from feeler.mockup import Mockup
 from feeler.picture import Camera, Section, render, render_collision
 from feeler.picture.camera import triple, usual_view
 from feeler.picture.png import write_png
@@ -38,8 +39,8 @@ def picture(served: Served, given: Given, job: Job) -> tuple[Answer, bytes]:
         size = (int(size[0] * _SMALLER), int(size[1] * _SMALLER))
 
 
-def _view(given: Given, bounds: Any) -> tuple[Any, Any]:
-    direction, up = usual_view(bounds)
+def _view(given: Given, bounds: Any, mockup: Mockup) -> tuple[Any, Any]:
+    direction, up = usual_view(bounds, mockup.source.vertical)
     return (
         direction if given["direction"] is None else np.array(given["direction"]),
         up if given["up"] is None else np.array(given["up"]),
@@ -54,7 +55,7 @@ def _collision(served: Served, given: Given, job: Job, size: tuple[int, int]) ->
         raise OptionError("the tool has no pose: give pose, or leave out tool")
     scene, tool = served.moving(given)
     hit = scene.collide(tool, given["pose"])
-    direction, up = _view(given, served.mockup.bounds)
+    direction, up = _view(given, served.mockup.bounds, served.mockup)
     image = render_collision(
         None,
         served.mockup,
@@ -98,6 +99,6 @@ def _mockup(served: Served, given: Given, job: Job, size: tuple[int, int]) -> tu
         normal, offset = section.plane()
         kept = points[points @ normal <= offset]
         points = kept if len(kept) else points
-    direction, up = _view(given, np.array([points.min(axis=0), points.max(axis=0)]))
+    direction, up = _view(given, np.array([points.min(axis=0), points.max(axis=0)]), mockup)
     camera = Camera.framing(points, triple(direction), triple(up), size=size)
     return answer, render(None, body, camera=camera, size=size, section=section, progress=job.progress)

@@ -275,6 +275,7 @@ def _viewpoint(clash: Clash, view: View, guid: str) -> Element:
         axes = [_element(axis, {}, repr(float(value))) for axis, value in zip("XYZ", values, strict=True)]
         return _element(name, {}, *axes)
 
+    planes = [] if view.normal is None else [(vector("Location", view.point), vector("Direction", view.normal))]
     paths = (clash.path_a, clash.path_b)
     colours = [
         _element("Color", {"Color": colour}, _element("Components", {}, part(path)))
@@ -301,9 +302,5 @@ def _viewpoint(clash: Clash, view: View, guid: str) -> Element:
             _element("FieldOfView", {}, repr(camera.fov_deg)),
             _element("AspectRatio", {}, repr(SIZE[0] / SIZE[1])),
         ),
-        _element(
-            "ClippingPlanes",
-            {},
-            _element("ClippingPlane", {}, vector("Location", view.point), vector("Direction", view.normal)),
-        ),
+        *(_element("ClippingPlanes", {}, _element("ClippingPlane", {}, *plane)) for plane in planes),
     )

@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from feeler.clashes.sides import Sides, directions
 from feeler.io.body import ORANGE, RED, STEEL_BLUE, Body
 from feeler.mockup import Mockup
 from feeler.part_meshes import PartMeshes
@@ -35,6 +36,11 @@ _LEAST_VIEW_M = 1e-6
 
 _LEAST_CUT = 1e-6
 """Of the reach: the least that a section leaves of each part."""
+
+_INNER = 0.8
+"""Share of the picture, across and down, in which the place is rather than at its border."""
+
+_RING_PX = 15.0
 
 _FAR = 8.0
 """A part whose box is more than this many times the reach is drawn only near the contact."""
@@ -80,11 +86,11 @@ class Pair(Protocol):
 @dataclass(frozen=True, eq=False)
 class View:
     """The view of a finding. point: on the section plane, `(3,)` metres. normal: `(3,)`, points to the side that is cut
-    away. reach: the extent of the picture, metres."""
+    away; None if nothing is cut. reach: the extent of the picture, metres."""
 
     camera: Camera
     point: Floats
-    normal: Floats
+    normal: Floats | None
     reach: float
 
 
@@ -92,46 +98,71 @@ class Pictures:
     """Pictures of the findings of one mock-up."""
 
     def __init__(self, mockup: Mockup) -> None:
-        self._meshes = PartMeshes(mockup)
+        self._meshes, self._vertical = PartMeshes(mockup), mockup.source.vertical
         self._bounds = mockup.part_bounds.reshape(-1, 2, 3)
         self._kept: OrderedDict[int, _Triangles] = OrderedDict()
 
     def view(self, clash: Pair) -> View:
-        """The camera for a finding. It shows all of the smaller part, both points, and the larger part around it."""
-        boxes = [self._bounds[clash.a], self._bounds[clash.b]]
+        """The camera for a finding. It shows all of the smaller part, both points, and the larger part around it.
+
+        A gap is seen whole, with nothing before it; if there is no such side, or the parts overlap, they are cut open.
+        Of all these sides it is one that shows enough of both parts, across the gap, and near to the usual one.
+        """
+        boxes = self._bounds[[clash.a, clash.b]]
         box = min(boxes, key=lambda each: float(np.linalg.norm(each[1] - each[0])))
-        points = np.array([clash.point_a, clash.point_b])
-        if not np.isfinite(points).all():
+        points, line = _line(clash)
+        if not len(points):
             points = box.mean(axis=0)[None]
         point = points.mean(axis=0)
         low, high = np.minimum(box[0], points.min(axis=0)), np.maximum(box[1], points.max(axis=0))
         reach = max(float(np.linalg.norm(high - low)) / 2 * _REACH, _LEAST_VIEW_M)
         middle = (low + high) / 2
-        direction, up = usual_view([low, high])
+        usual, up = usual_view([low, high], self._vertical)
         corners = [middle - reach / 2, middle + reach / 2]
-        camera = Camera.framing(corners, direction, up, size=SIZE, fov_deg=FOV_DEG)
-        axis = int(np.argmax(np.abs(direction)))
-        return View(camera, point, -np.sign(direction[axis]) * np.eye(3)[axis], reach)
+        looks = directions(usual, self._vertical)
+        cameras = [Camera.framing(corners, look, up, size=SIZE, fov_deg=FOV_DEG) for look in looks]
+        bodies = [self._body(part, 0, middle, reach) for part in (clash.a, clash.b)]
+        score = looks @ looks[0]
+        size = float(np.linalg.norm(line))
+        if size > 0.0:
+            score -= 0.5 * np.abs(looks @ (line / size))
+        off = np.array([np.abs(camera.shares(point[None], SIZE)[0] - 0.5).max() for camera in cameras])
+        score -= np.where(off > _INNER / 2, 1.0, 0.0)
+        sides = Sides(cameras, [each.vertices[each.faces] for each in bodies], reach)
+        rows: list[tuple[float, int, Floats | None]] = []
+        is_overlap = bool(np.nan_to_num(np.array(clash.translation)).any())
+        seen = sides.sees(points[0], points[-1])
+        if not is_overlap and seen.any():
+            which = np.flatnonzero(seen)
+            rows += zip(
+                score[which] + sides.shares(which, point, None), which.tolist(), [None] * len(which), strict=True
+            )
+        else:
+            for normal in np.concatenate([np.eye(3), -np.eye(3)]):
+                which = np.flatnonzero((-looks @ normal) >= np.abs(looks).max(axis=1))
+                ahead = (boxes - point) @ normal  # of both ends of their boxes
+                if len(which) and bool((ahead.min(axis=1) < -_LEAST_CUT * reach).all()):
+                    found = score[which] + sides.shares(which, point, normal)
+                    rows += zip(found, which.tolist(), [normal] * len(which), strict=True)
+        _, best, normal = max(rows, key=lambda row: row[0], default=(0.0, 0, None))
+        return View(cameras[best], point, normal, reach)
 
     def png(self, clash: Pair, others: Callable[[View], Sequence[Body]] | None = None) -> bytes:
-        """The picture as PNG, cut at the contact: first part blue, second part orange, translation or gap red.
+        """The picture as PNG: first part blue, second part orange, translation or gap red, and a ring around it.
 
-        It is not cut if that would remove a part as a whole. others: bodies to show faintly around them.
+        It is cut at the contact if `view` says so. others: bodies to show faintly around them.
         """
         view = self.view(clash)
         middle = np.array(view.camera.target)
         bodies = [self._body(clash.a, 0, middle, view.reach), self._body(clash.b, 1, middle, view.reach)]
-        start, way = view.point, np.array(clash.translation)
-        points = np.array([clash.point_a, clash.point_b])
-        if not np.nan_to_num(way).any() and np.isfinite(points).all():
-            start, way = points[0], points[1] - points[0]
-        line = bars(start[None], (start + np.nan_to_num(way))[None], view.reach * 0.012, ["way"], RED)
+        points, way = _line(clash)
+        start = points[0] if len(points) and not np.nan_to_num(clash.translation).any() else view.point
+        line = bars(start[None], (start + way)[None], view.reach * 0.012, ["way"], RED)
         shown = [body for body in bodies if len(body.faces)]
-        ahead = (self._bounds[[clash.a, clash.b]] - view.point) @ view.normal  # of both ends of their boxes
-        is_cut = bool((ahead.min(axis=1) < -_LEAST_CUT * view.reach).all())
-        section = Section(triple(view.point), triple(view.normal)) if is_cut else None
+        section = None if view.normal is None else Section(triple(view.point), triple(view.normal))
         ghosts = [] if others is None else others(view)
         picture = Ghosts(ghosts, view.camera, SIZE, section).picture(*shown, *([line] if line is not None else []))
+        _mark(picture, view.camera.shares(view.point[None], SIZE)[0] * SIZE)
         out = io.BytesIO()
         write_png(out, picture)
         return out.getvalue()
@@ -165,6 +196,23 @@ class Pictures:
                 self._kept.popitem(last=False)
         self._kept.move_to_end(part)
         return self._kept[part]
+
+
+def _line(clash: Pair) -> tuple[Floats, Floats]:
+    """Both points `(2, 3)`, none if they are not known; and the translation, or else the gap, zero if none is known."""
+    points = np.array([clash.point_a, clash.point_b])
+    points = points if np.isfinite(points).all() else np.empty((0, 3))
+    way = np.nan_to_num(np.array(clash.translation))
+    return points, points[1] - points[0] if len(points) and not way.any() else way
+
+
+def _mark(picture: npt.NDArray[np.uint8], at: Floats) -> None:
+    """A red ring with a white border around a place, pixels."""
+    rows, columns = (np.arange(n) + 0.5 for n in picture.shape[:2])
+    off = np.abs(np.hypot(columns - at[0], rows[:, None] - at[1]) - _RING_PX)
+    for colour, width in (((1.0, 1.0, 1.0), 3.0), (RED, 1.5)):
+        ink = np.clip(width - off, 0.0, 1.0)[..., None]
+        picture[:] = np.round(picture * (1.0 - ink) + 255.0 * np.array(colour) * ink).astype(np.uint8)
 
 
 class _Triangles:

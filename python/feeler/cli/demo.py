@@ -22,6 +22,7 @@ from feeler.progress import bar
 
 _POSES = 1000
 _SHOWN_PARTS = 12
+_DIRECTION, _UP = (0.75, -0.42, 0.55), (0.0, 1.0, 0.0)  # of the picture: the engine lies along z
 
 
 @command(
@@ -103,7 +104,7 @@ def _write(
 
     files = {"picture": folder / "deepest.png", "glb": folder / "deepest.glb", "pose": folder / "pose.json"}
     with bar("rendering the picture") as progress:
-        render_collision(files["picture"], mockup, tool, pose, hit, progress=progress)
+        render_collision(files["picture"], mockup, tool, pose, hit, direction=_DIRECTION, up=_UP, progress=progress)
     with bar("writing the GLB"):
         write_collision_glb(files["glb"], mockup, tool, pose, hit)
     with atomic_file(files["pose"]) as file:

@@ -8,7 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_array, check_list, check_number, check_whole, shown
+from feeler.choices import UpAxis
 from feeler.errors import OptionError
+from feeler.source import Source
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -89,17 +91,31 @@ class Camera:
         return right, up, forward
 
 
-def usual_view(bounds: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Direction and up for a box (2, 3), without other information: from above, the longest side across.
+def upright_frame(up: UpAxis) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What is to the right, to the back and up in the view from the front: as `viewFrame` of the page has it."""
+    right, ahead, above = _FRAMES[up]
+    return np.array(right), np.array(ahead), np.array(above)
 
-    Up is z, or y where the box is longest along z (an engine along its axis, a tower lying down).
-    """
-    sides = np.diff(np.asarray(bounds, dtype=np.float64), axis=0)[0]
-    long = int(np.argmax(sides))
-    up = 1 if long == 2 else 2
-    direction = np.zeros(3)
-    direction[long], direction[up], direction[3 - long - up] = 0.55, -0.42, 0.75
-    return direction, np.eye(3)[up]
+
+_FRAMES: dict[UpAxis, tuple[tuple[float, float, float], ...]] = {
+    "x": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    "y": ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
+    "z": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+}
+
+
+def vertical_of(mesh: object) -> UpAxis:
+    """The axis that stands upright in pictures of a mesh, as in the page; z for one that does not say it."""
+    source = getattr(mesh, "source", None)
+    return source.vertical if isinstance(source, Source) else "z"
+
+
+def usual_view(bounds: npt.ArrayLike, up: UpAxis) -> tuple[FloatArray, FloatArray]:
+    """Direction and up for a box (2, 3): from the front and above, its longer horizontal side across."""
+    right, ahead, above = upright_frame(up)
+    width, depth = np.abs(np.diff(np.asarray(bounds, dtype=np.float64), axis=0)[0] @ np.stack([right, ahead]).T)
+    across, along = (0.55, 0.75) if width >= depth else (0.75, 0.55)
+    return across * right + along * ahead - 0.42 * above, above
 
 
 @dataclass(frozen=True)

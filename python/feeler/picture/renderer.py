@@ -19,7 +19,7 @@ from feeler.atomic import atomic_file
 from feeler.errors import MeshError, OptionError
 from feeler.io.body import Body, MeshLike, body_of
 from feeler.picture import shade
-from feeler.picture.camera import Camera, Section, check_box, check_size, usual_view
+from feeler.picture.camera import Camera, Section, check_box, check_size, usual_view, vertical_of
 from feeler.picture.clip import clip_triangles
 from feeler.picture.png import write_png
 from feeler.picture.raster import DepthBuffer
@@ -61,7 +61,8 @@ def render(
 ) -> Image:
     """Renders mock-ups, tools or bodies to a PNG; returns the pixels, (height, width, 3) uint8.
 
-    path: None writes no file. camera: None frames everything (`usual_view`). size: width, height in pixels. section:
+    path: None writes no file. camera: None frames everything, upright as in
+    the page by the `source` of the first mesh. size: width, height in pixels. section:
     cuts the bodies with `cut`, also in the inset. Needs no display and no GPU.
     Raises `WriteError`, `OptionError`, `MeshError`.
     """
@@ -78,7 +79,8 @@ def render(
     solids = [(body, None if plane is None or not body.cut else _facing(body)) for body in bodies]
     if camera is None:
         points = np.concatenate([body.points for body in bodies])
-        camera = Camera.framing(points, *usual_view([points.min(axis=0), points.max(axis=0)]), size=size)
+        usual = usual_view([points.min(axis=0), points.max(axis=0)], vertical_of(meshes[0]))
+        camera = Camera.framing(points, *usual, size=size)
     image = _View(solids, plane, camera, size).drawn()
     if inset is not None:
         report(0.5, "rendering inset")

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from feeler.arguments import check_array, check_progress
 from feeler.errors import OptionError
 from feeler.io.body import MeshLike, only_faces
-from feeler.picture.camera import Camera, Section, check_size, triple, usual_view
+from feeler.picture.camera import Camera, Section, check_size, triple, usual_view, vertical_of
 from feeler.picture.collision import Hits, check_mask, collision_bodies
 from feeler.picture.renderer import Inset, render
 from feeler.poses import PoseLike
@@ -38,8 +38,8 @@ def render_collision(
     """The whole mock-up cut open at the tool, and a close view of the collision; returns the pixels.
 
     The mock-up is cut vertically through the collision, and everything in front of the cut is removed. direction, up:
-    of the view, (3,); None: `usual_view` of the mock-up's box. parts: which parts are drawn, (parts,) bool, such as
-    `scene.part_mask`; None: all. path: None writes no file. Raises `WriteError`, `OptionError`.
+    of the view, (3,); None: upright as in the page, by `mockup.source`. parts: which parts are drawn, (parts,) bool,
+    such as `scene.part_mask`; None: all. path: None writes no file. Raises `WriteError`, `OptionError`.
     """
     size = check_size(size)
     check_progress(progress)
@@ -49,7 +49,7 @@ def render_collision(
     focus = (low + high) / 2
     if len(hit):
         focus = np.clip(body.vertices[body.faces[hit]].mean(axis=(0, 1)), low, high)
-    usual = usual_view(body.bounds)
+    usual = usual_view(body.bounds, vertical_of(mockup))
     forward = check_array("direction", usual[0] if direction is None else direction, (3,))
     upright = check_array("up", usual[1] if up is None else up, (3,))
     if not forward.any() or not upright.any():

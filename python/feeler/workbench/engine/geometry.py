@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from feeler._core import Packed, PackedPiece
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 from feeler.workbench.document.motion import Floats
-from feeler.workbench.document.protocol import HeldManifest, Manifest, ManifestPiece, UpAxis, Vec3
+from feeler.workbench.document.protocol import HeldManifest, Manifest, ManifestPiece, Vec3
 from feeler.workbench.engine.snapshot import NOT_DRAWN
 
 SHARED = 0x7FC0FEE1
@@ -89,7 +89,7 @@ class Geometry:
             "hash": self._content,
             "name": self._name,
             "unit": mockup.source.unit,
-            "up": cast(UpAxis, mockup.source.up or "z"),
+            "up": mockup.source.vertical,
             "middle": _triple(self._packed.middle),
             "lower": _triple(lower),
             "upper": _triple(upper),

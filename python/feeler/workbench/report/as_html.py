@@ -259,9 +259,10 @@ class _Page:
         if report.check is not None:
             rows = [row for row in report.findings if not row.is_touching]
             left = sum(row.status in _OPEN for row in rows)
-            tiles.append(
-                ("findings", f"{left:,} open", f"of {plural(len(rows), 'finding')}", "bad" if left else "good")
-            )
+            touching = len(report.findings) - len(rows)
+            beside = f", {plural(touching, 'contact')} not counted" if touching else ""
+            said = f"of {plural(len(rows), 'finding')}{beside}"
+            tiles.append(("findings", f"{left:,} open", said, "bad" if left else "good"))
         if report.questions:
             good = sum(row.is_good is True for row in report.questions)
             tiles.append(("questions", f"{good:,} of {len(report.questions):,}", "questions answered yes", ""))
@@ -395,9 +396,11 @@ class _Page:
             order = {group: number for number, group in enumerate(dict.fromkeys(row.group for row in mine))}
             found += [self._finding_card(row) for row in sorted(mine, key=lambda row: order[row.group])]
             found.append("</div>")
-        left = sum(not row.is_touching for row in self._report.findings) - len(rows)
+        left = len(self._report.findings) - len(rows)
         if rows and left > 0:
-            found.append(f"<p class=soft>{plural(left, 'more finding')} without a picture: see the list.</p>")
+            touching = sum(row.is_touching for row in self._report.findings) - sum(row.is_touching for row in rows)
+            of = f", {plural(touching, 'contact')} among them" if touching else ""
+            found.append(f"<p class=soft>{plural(left, 'more finding')} without a picture{of}: see the list.</p>")
         return found
 
     def _finding_card(self, row: FindingRow) -> str:
@@ -639,8 +642,8 @@ class _Page:
         return [
             "<footer><p>Lengths are of the triangles of the mock-up. A way is verified by continuous collision "
             "detection; that none was found is a proof only where the text says so. In pictures of two parts, the "
-            "<span class=a>first</span> is blue and the <span class=b>second</span> orange, cut open where they meet; "
-            "other parts are faint.</p></footer>"
+            "<span class=a>first</span> is blue and the <span class=b>second</span> orange, cut open where they "
+            "overlap or hide the place in the red ring; other parts are faint.</p></footer>"
         ]
 
 

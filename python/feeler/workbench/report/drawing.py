@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from feeler.choices import UpAxis
 from feeler.clashes.pictures import Pictures, View
 from feeler.io.body import LIGHT_GREY, ORANGE, STEEL_BLUE, Body, body_of
 from feeler.io.export import animated_glb
@@ -83,7 +84,8 @@ class Drawing:
         framed = np.concatenate([_at(pose, corners_of(bounds)) for pose in shown])
         around = np.stack([framed.min(axis=0), framed.max(axis=0)])
         around = _grown(around, _MARGIN * float(np.linalg.norm(around[1] - around[0])))
-        camera = _camera(around, _at(shown[-1], middle[None])[0] - middle)
+        along = _at(shown[-1], middle[None])[0] - middle
+        camera = _camera(around, along, self._mockup.source.vertical)
         extent = float(np.linalg.norm(around[1] - around[0]))
         ghosts = Ghosts(self._ghosts(_grown(around, 0.5 * extent), {*row.parts, *row.gone}), camera, SIZE)
         places = np.stack([_at(pose, middle[None])[0] for pose in _at_times(poses, bounds, _LINE)])
@@ -213,9 +215,9 @@ def _grown(box: Floats, by: float) -> Floats:
     return np.stack([box[0] - by, box[1] + by])
 
 
-def _camera(around: Floats, way: Floats) -> Camera:
+def _camera(around: Floats, way: Floats, vertical: UpAxis) -> Camera:
     """From above, from the corner that sees the way from the side, and the parts come towards it rather than away."""
-    usual, up = usual_view(around)
+    usual, up = usual_view(around, vertical)
     size = float(np.linalg.norm(way))
     best, least = usual, np.inf
     upright = int(np.argmax(up))

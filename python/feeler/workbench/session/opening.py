@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from feeler.mockup import Mockup, Tool
+from feeler.picture.camera import upright_frame
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import Document, MockupFacts, ToolFacts
@@ -21,9 +22,6 @@ from feeler.workbench.session.record import digest
 
 _BESIDE_SHARE = 0.06
 """The room between the scene's box and a tool that begins beside it, as a share of the box's diagonal."""
-
-_RIGHT = {"x": 1, "y": 0, "z": 0}
-"""The axis to the right in the view from the front, by the vertical: as `viewFrame` of the page has it."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +92,7 @@ def beside(scene: Scene, tool: Tool | None) -> Floats:
     low, high = scene_bounds(scene)
     bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
     offset = 0.5 * (low + high - bottom - top)
-    up = scene.mockup.source.up or "z"
-    above, right = "xyz".index(up), _RIGHT[up]
+    right, _, above = (int(np.argmax(axis)) for axis in upright_frame(scene.mockup.source.vertical))
     offset[above] = high[above] - bottom[above]
     offset[right] = high[right] - bottom[right] + _BESIDE_SHARE * float(np.linalg.norm(high - low))
     return motion.shifted(offset)
