@@ -103,6 +103,20 @@ RENAMED: dict[str, Callable[[str], str]] = {
 }
 
 
+@pytest.mark.parametrize("number", ["", "#2"])
+def test_an_approval_stays_with_its_bolt_where_readers_number_equal_names(number: str) -> None:
+    """The second of three bolts is gone, and another one is now the second of the file."""
+    names = ["plate", "bolt", f"bolt{number}", f"bolt{number and '#3'}"]
+    before = feeler.clash(named(list(zip(names, [PLATE, *map(bolt_at, (0.1, 0.2, 0.3))], strict=True))))
+    (second,) = (each.id for each in before if abs(each.point_a[0] - 0.2) < 0.05)
+    before.set_status(second, "approved", by="ada")
+    now = feeler.clash(named(list(zip(names, [PLATE, *map(bolt_at, (0.1, 0.9, 0.3))], strict=True))))
+    now.diff(before)
+    status = {round(float(each.point_a[0]), 1): each.status for each in now}
+    assert status == {0.1: "active", 0.3: "active", 0.9: "new"}
+    assert [each.status for each in now.earlier()].count("resolved") == 1
+
+
 @pytest.mark.parametrize("how", RENAMED)
 def test_findings_outlive_other_paths(tmp_path: Path, how: str) -> None:
     before = feeler.clash(house())

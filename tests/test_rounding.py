@@ -121,6 +121,9 @@ def test_numbers_tell_their_digits():
         assert of_numbers(100.0 * as_text(points, f"%.{decimals}e")) == pytest.approx(50.0 * 10.0**-decimals)
         assert of_numbers(as_text(points, f"%.{decimals + 1}g")) == pytest.approx(0.5 * 10.0**-decimals)
     assert of_numbers(np.round(points, 3)) == 0.0  # of so few digits they are exact
+    # Whole numbers: cut where longer ones end with zeros and shorter ones do not, and exact otherwise.
+    far = as_text(1e4 * points + [948_486.0, -1_045_820.0, 853_576.0], "%.6g")
+    assert of_numbers(far) == 5.0 and of_numbers(far.round(-1)) == of_numbers(far + 1.0) == 2.0**-4
     last = points.astype(np.float32).astype(float)
     last[-1, -1] = 0.1  # one number of double precision
     assert of_numbers(last) == 0.0

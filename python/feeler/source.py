@@ -17,7 +17,8 @@ class Source:
     up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those notes that put results in doubt:
     skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
     unknown. rounding: the largest rounding error of a coordinate in the files, metres; 0 for double precision and
-    arrays. In text it follows from the digits; numbers of less than six digits count as exact. In glTF and STEP it has
+    arrays. In text it follows from the digits; numbers of less than six digits count as exact, and
+    whole numbers too, unless longer ones all end with zeros and shorter ones do not. In glTF and STEP it has
     the rounding of placements, which grows with the distance of a part from the origins of its assemblies.
     """
 

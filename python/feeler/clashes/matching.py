@@ -3,17 +3,19 @@
     same path, shape and place -> same content -> same shape and place -> same path alone, also below a renamed folder
 
 Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
-place only, since their order is arbitrary. If most parts moved, places are compared after the motion of the whole:
-the one under which most parts of a shape of their own, then most shapes, are in their places.
+place only, since their order is arbitrary; also those that a reader numbered. If most parts moved, places are compared
+after the motion of the whole: the one under which most parts of a shape of their own, then most shapes, are in their
+places.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +42,7 @@ _OLD_SIDE_SHARE, _OLD_AREA_SHARE, _OLD_MOTION_M = 0.04, 0.12, DEPTH_GROWTH_M
 _NEAR_SHARE = 0.5
 """For parts with equal paths: how far the centre may move, as a share of the side along each axis, and how much the
 diagonal may change. Bolts of a pattern are farther apart than that."""
+_NUMBER = re.compile(r"#[1-9][0-9]*$")
 _NO_SHIFT = np.zeros(3)
 _MOST_ALIKE, _MOST_SHIFTS = 4096, 8
 """How many pairs of equal shape are asked for the motion of the whole, and how many of these motions are tried."""
@@ -89,6 +92,7 @@ def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
 
     One to one, and the same on every machine. Nearly linear in the number of parts.
     """
+    old, new = (replace(each, paths=unnumbered(each.paths)) for each in (old, new))
     search = _Search(old, new)
     still = search.found(_NO_SHIFT)
     for shift in search.common_shifts(still):
@@ -96,6 +100,13 @@ def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
         if search.weight(moved) > search.weight(still):
             still = moved
     return search.by_path(still.copy()), still >= 0
+
+
+def unnumbered(paths: Sequence[str]) -> tuple[str, ...]:
+    """Paths without the `#2` that readers give to the second part of a name: the next revision may count otherwise."""
+    known = set(paths)
+    bases = [_NUMBER.sub("", path) for path in paths]
+    return tuple(base if base in known else path for base, path in zip(bases, paths, strict=True))
 
 
 class _Search:

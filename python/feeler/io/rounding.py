@@ -16,6 +16,8 @@ _FEWEST_DIGITS, _MOST_DIGITS = 6, 14
 _DIGITS_IN_SINGLE, _DIGITS_OF_SINGLE = 7, 9
 """Decimal digits that single precision always holds, and the most with which programs print such a number."""
 _SAMPLE = 1000
+_MANY, _SOME = 8, 4
+"""Long numbers that end with zeros, and shorter ones that do not: so many are no accident."""
 _NOISE = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""
 
@@ -38,7 +40,7 @@ def of_numbers(vertices: NDArray[np.float64]) -> float:
     """The largest error of coordinates (n, 3): half a unit in the last digit of the largest one, if all of them are
     single-precision numbers or decimals of few digits; 0 for double precision."""
     if _all(vertices, lambda some: some.astype(np.float32) == some):
-        return single(vertices)
+        return 0.5 * 10.0 * _tens(vertices) or single(vertices)
     digits = next((n for n in range(1, _MOST_DIGITS + 1) if _all(vertices, partial(_has_digits, n))), 0)
     if digits < _FEWEST_DIGITS:
         return 0.0
@@ -46,6 +48,17 @@ def of_numbers(vertices: NDArray[np.float64]) -> float:
     if _DIGITS_IN_SINGLE < digits <= _DIGITS_OF_SINGLE and _is_printed_single(vertices):
         return single(vertices)
     return float(0.5 * 10.0 ** (np.floor(np.log10(largest)) + 1.0 - digits))
+
+
+def _tens(vertices: NDArray[np.float64]) -> float:
+    """The place of the last digit of the largest coordinate, in tens, if all are whole numbers of six digits, as C's
+    `%g` writes them; 0 otherwise. Longer numbers all end with zeros, though shorter ones do not."""
+    if not _all(vertices, lambda some: (some == np.round(some)) & _has_digits(_FEWEST_DIGITS, some)):
+        return 0.0
+    size = np.abs(vertices[np.isfinite(vertices)])
+    long, short = 10.0**_FEWEST_DIGITS, 10.0 ** (_FEWEST_DIGITS - 1)
+    is_cut = (size >= long).sum() >= _MANY and ((size < long) & (size >= short) & (size % 10.0 != 0.0)).sum() >= _SOME
+    return float(10.0 ** (np.floor(np.log10(size.max())) - _FEWEST_DIGITS)) if is_cut else 0.0
 
 
 def errors_of(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
