@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from feeler.attributes import Attributes
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.field_docs import documented
+from feeler.mesh_types import ArrayOfInts, ArrayOfRows, MeshSource
 from feeler.parts import Parts, PartsLike
 from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
@@ -262,11 +263,33 @@ class Mockup(_Attributed, _core.Mockup):
     _moves: tuple[list[int], npt.NDArray[np.float64]] | None = None
     """Then: by part the number of its pose, or -1, and the poses."""
 
+    @overload
     def __new__(
         cls,
-        vertices: Any,
-        faces: npt.ArrayLike | None = None,
-        part_of_face: npt.ArrayLike | None = None,
+        vertices: ArrayOfRows,
+        faces: ArrayOfRows,
+        part_of_face: ArrayOfInts | None = None,
+        part_names: Sequence[str] | None = None,
+        *,
+        part_paths: Sequence[str] | None = None,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+    ) -> Mockup: ...
+    @overload
+    def __new__(
+        cls,
+        vertices: MeshSource,
+        faces: None = None,
+        *,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+        unit: UnitName | None = None,
+    ) -> Mockup: ...
+    def __new__(
+        cls,
+        vertices: ArrayOfRows | MeshSource,
+        faces: ArrayOfRows | None = None,
+        part_of_face: ArrayOfInts | None = None,
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
@@ -385,12 +408,36 @@ class Tool(_Attributed, _core.Tool):
 
     name: str
 
+    @overload
     def __new__(
         cls,
-        vertices: Any,
-        faces: npt.ArrayLike | None = None,
+        vertices: ArrayOfRows,
+        faces: ArrayOfRows,
         name: str = "tool",
-        part_of_face: npt.ArrayLike | None = None,
+        part_of_face: ArrayOfInts | None = None,
+        part_names: Sequence[str] | None = None,
+        *,
+        part_paths: Sequence[str] | None = None,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+    ) -> Tool: ...
+    @overload
+    def __new__(
+        cls,
+        vertices: MeshSource,
+        faces: None = None,
+        name: str = "tool",
+        *,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+        unit: UnitName | None = None,
+    ) -> Tool: ...
+    def __new__(
+        cls,
+        vertices: ArrayOfRows | MeshSource,
+        faces: ArrayOfRows | None = None,
+        name: str = "tool",
+        part_of_face: ArrayOfInts | None = None,
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, TypeVar, cast, overload
+from typing import Any, TypeAlias, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -21,11 +21,11 @@ from feeler.errors import OptionError
 from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
+from feeler.rows import read_only
 
 Floats = npt.NDArray[np.float64]
-VerdictLike = Verdict | VerdictName
+VerdictLike: TypeAlias = Verdict | VerdictName
 AnyTable = TypeVar("AnyTable", bound="Table")
-AnyArray = TypeVar("AnyArray", bound=npt.NDArray[Any])
 Point = tuple[float, float, float]
 
 
@@ -273,12 +273,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def paths_a(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the first part, text."""
-        return _read_only(self._paths[self.columns.a])
+        return read_only(self._paths[self.columns.a])
 
     @property
     def paths_b(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the second part."""
-        return _read_only(self._paths[self.columns.b])
+        return read_only(self._paths[self.columns.b])
 
     @cached_property
     def _paths(self) -> npt.NDArray[np.object_]:
@@ -312,7 +312,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
         """`(n,)`: a `feeler.Verdict` each, as words."""
-        return _read_only(Verdict.words(self.columns.verdict))
+        return read_only(Verdict.words(self.columns.verdict))
 
     @property
     def depths(self) -> Floats:
@@ -327,7 +327,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def depth_kinds(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
-        return _read_only(np.array(DEPTH_KINDS)[self.columns.depth_kind])
+        return read_only(np.array(DEPTH_KINDS)[self.columns.depth_kind])
 
     @property
     def translations(self) -> Floats:
@@ -357,7 +357,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def signed_depths(self) -> Floats:
         """`(n,)`: the depth, or the negative gap, metres. `diff` compares this between checks."""
-        return _read_only(np.where(self.depths > 0.0, self.depths, -self.gaps))
+        return read_only(np.where(self.depths > 0.0, self.depths, -self.gaps))
 
     @property
     def are_thin(self) -> npt.NDArray[np.bool_]:
@@ -368,7 +368,7 @@ class Table(OldAttributes, Sequence[Clash]):
         } | contacts
         contact = np.array([*(known.get(name, known[DEFAULT_RULE]) for name in self.rule_names), np.nan])
         is_clash: npt.NDArray[np.bool_] = self.columns.verdict == Verdict.CLASH.code
-        return _read_only(is_clash & (self.depths <= contact[self.columns.rule]))
+        return read_only(is_clash & (self.depths <= contact[self.columns.rule]))
 
     def found(self) -> list[Found]:
         """What `diff` compares of each row."""
@@ -389,12 +389,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def rules(self) -> npt.NDArray[np.str_]:
         """`(n,)`: the name of the rule."""
-        return _read_only(np.array(self.rule_names or ("",))[self.columns.rule])
+        return read_only(np.array(self.rule_names or ("",))[self.columns.rule])
 
     @property
     def severities(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"critical"`, `"major"` or `"minor"`."""
-        return _read_only(np.array(SEVERITIES)[self.columns.severity])
+        return read_only(np.array(SEVERITIES)[self.columns.severity])
 
     @cached_property
     def ids(self) -> tuple[str, ...]:
@@ -405,7 +405,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def statuses(self) -> npt.NDArray[np.str_]:
         """`(n,)`: each finding's status."""
-        return _read_only(np.array([self.marks.of(each).status for each in self.ids], dtype="U8"))
+        return read_only(np.array([self.marks.of(each).status for each in self.ids], dtype="U8"))
 
     @cached_property
     def keys(self) -> tuple[str, ...]:
@@ -622,12 +622,6 @@ def check_same(mockup: Mockup, clashes: Table) -> None:
             "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "
             "feeler.clash (clashes loaded from a file have no part numbers)"
         )
-
-
-def _read_only(column: AnyArray) -> AnyArray:
-    """Makes a computed column read-only: the table would not see what a caller writes into it."""
-    column.flags.writeable = False
-    return column
 
 
 def _point(row: Any) -> Point:

@@ -15,6 +15,7 @@ from feeler.choices import UnitName
 from feeler.errors import MeshError
 from feeler.interchange import open3d, pyvista, trimesh
 from feeler.interchange.assembly import Assembly
+from feeler.mesh_types import MeshSource
 from feeler.mockup import Meshes, Mockup, register_converter
 
 ACCEPTED = (
@@ -30,7 +31,7 @@ _LIBRARIES: dict[str, tuple[Callable[[Any], bool], Callable[[Assembly, Any, tupl
 }
 
 
-def from_trimesh(mesh: object, unit: UnitName | None = None) -> Mockup:
+def from_trimesh(mesh: MeshSource, unit: UnitName | None = None) -> Mockup:
     """A mock-up from a `trimesh.Trimesh` or `trimesh.Scene`, or a list or dict of such.
 
     Each geometry of a scene becomes a part at each of its places, with the names of the graph's nodes as path;
@@ -42,7 +43,7 @@ def from_trimesh(mesh: object, unit: UnitName | None = None) -> Mockup:
     return _mockup(mesh, unit, "trimesh")
 
 
-def from_pyvista(mesh: object, unit: UnitName | None = None) -> Mockup:
+def from_pyvista(mesh: MeshSource, unit: UnitName | None = None) -> Mockup:
     """A mock-up from a PyVista `PolyData`, or a `MultiBlock`, whose blocks become parts; or a list or dict of such.
 
     Polygons and strips are cut into triangles; volumes (`UnstructuredGrid`, ...) contribute their surface. `unit`: the
@@ -53,7 +54,7 @@ def from_pyvista(mesh: object, unit: UnitName | None = None) -> Mockup:
     return _mockup(mesh, unit, "pyvista")
 
 
-def from_open3d(mesh: object, unit: UnitName | None = None) -> Mockup:
+def from_open3d(mesh: MeshSource, unit: UnitName | None = None) -> Mockup:
     """A mock-up from an Open3D `TriangleMesh`, of either API, or a `TriangleMeshModel`; or a list or dict of such.
 
     `unit`: the unit of the numbers, by default the metre, because Open3D stores none. `feeler.Tool(mesh)` makes a tool.
