@@ -73,7 +73,7 @@ class Parts(Sequence[Part]):
     def __getitem__(self, index: int | slice) -> Part | list[Part]:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
-        if not hasattr(index, "__index__"):
+        if not hasattr(index, "__index__") or isinstance(index, bool):
             raise TypeError(f"a part is indexed by its number, not by {shown(index)}: parts.find(path) looks parts up")
         try:
             i = range(len(self))[index]

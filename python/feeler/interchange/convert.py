@@ -94,7 +94,7 @@ def _add(assembly: Assembly, held: Any, path: tuple[str, ...], library: str | No
         _add_ours(assembly, held, path)
         return
     if path and library is None and _is_pair(held):
-        assembly.add(path, held[0], held[1], unit="m")
+        assembly.add(path, held[0], held[1], in_metres=True)
         return
     if isinstance(held, np.ndarray):
         raise MeshError(f"faces are missing: an array of shape {held.shape} has none; give them, or {ACCEPTED}")
@@ -104,7 +104,8 @@ def _add(assembly: Assembly, held: Any, path: tuple[str, ...], library: str | No
             return
     if isinstance(held, Mapping):
         for name, each in held.items():
-            _add(assembly, each, (*path, str(name)), library, depth + 1)
+            levels = [level for level in str(name).split("/") if level] or [str(name)]
+            _add(assembly, each, (*path, *levels), library, depth + 1)
         return
     if isinstance(held, Sequence) and not isinstance(held, (str, bytes)):
         if held and not _is_number_list(held):
@@ -129,10 +130,10 @@ def _add_ours(assembly: Assembly, mesh: _core.Mockup | _core.Tool, path: tuple[s
     faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)
     paths = getattr(mesh, "part_paths", None)
     if paths is None or (isinstance(mesh, _core.Tool) and mesh.part_count == 1):
-        assembly.add(path or (str(getattr(mesh, "name", "part")),), vertices, faces, unit="m")
+        assembly.add(path or (str(getattr(mesh, "name", "part")),), vertices, faces, in_metres=True)
         return
     below = [tuple(each.split("/")) for each in paths]
-    assembly.add_parts(path, vertices, faces, mesh.part_of_face, below, unit="m")
+    assembly.add_parts(path, vertices, faces, mesh.part_of_face, below, in_metres=True)
 
 
 def _is_pair(held: Any) -> bool:

@@ -49,7 +49,7 @@ def wanted_of(scene: Scene, parts: MaintainParts) -> list[Wanted]:
     is_file = isinstance(parts, os.PathLike) or (isinstance(parts, str) and parts.lower().endswith(".csv"))
     error: type[LoadError] | type[OptionError]
     if is_file:
-        lines, error = _read(check_path("parts", parts, LoadError)), LoadError
+        lines, error = _read(check_path("parts", parts)), LoadError
     else:
         lines, error = _listed(parts), OptionError
     return [_wanted(scene, line, error) for line in lines]

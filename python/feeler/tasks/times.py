@@ -122,7 +122,7 @@ class Times:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Times:
         """Reads a TOML file with the tables `elements`, `pitches_mm` and `typed`. Raises `LoadError`."""
-        file = check_path("path", path, LoadError)
+        file = check_path("path", path)
         return cls._of(toml_of(file, "write one with feeler.Times().save('times.toml')"), str(file))
 
     @classmethod
