@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, TypeAlias, TypeVar, cast, overload
@@ -21,7 +21,7 @@ from feeler.errors import OptionError
 from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
-from feeler.rows import read_only
+from feeler.rows import AnyArray, read_only
 
 Floats = npt.NDArray[np.float64]
 VerdictLike: TypeAlias = Verdict | VerdictName
@@ -253,6 +253,9 @@ class Table(OldAttributes, Sequence[Clash]):
         self._shapes = shapes
         self._scope = scope
         self._earlier: Table | None = None
+        self._computed: dict[str, npt.NDArray[Any]] = {}
+        self._of_marks: dict[str, tuple[int | None, tuple[str, ...]]] = {}
+        self._statuses: tuple[tuple[str, ...], npt.NDArray[np.str_]] | None = None
 
     _RENAMED = _PLURALS
 
@@ -273,12 +276,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def paths_a(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the first part, text."""
-        return read_only(self._paths[self.columns.a])
+        return self._once("paths_a", lambda: self._paths[self.columns.a])
 
     @property
     def paths_b(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the second part."""
-        return read_only(self._paths[self.columns.b])
+        return self._once("paths_b", lambda: self._paths[self.columns.b])
 
     @cached_property
     def _paths(self) -> npt.NDArray[np.object_]:
@@ -295,24 +298,38 @@ class Table(OldAttributes, Sequence[Clash]):
         return self.columns.is_open[:, 1]
 
     @property
-    def by(self) -> list[str]:
+    def by(self) -> tuple[str, ...]:
         """The person who set each status; else empty."""
-        return [self.marks.of(each).by for each in self.ids]
+        return self._marked("by")
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> tuple[str, ...]:
         """Each finding's note."""
-        return [self.marks.of(each).note for each in self.ids]
+        return self._marked("note")
 
     @property
-    def changed(self) -> list[str]:
+    def changed(self) -> tuple[str, ...]:
         """`"renamed"` or `"renumbered"` for findings that `diff` found under another key, else empty."""
-        return [self.marks.of(each).changed for each in self.ids]
+        return self._marked("changed")
+
+    def _once(self, name: str, make: Callable[[], AnyArray]) -> AnyArray:
+        """A column that is computed at its first use, read-only."""
+        if name not in self._computed:
+            self._computed[name] = read_only(make())
+        return cast(AnyArray, self._computed[name])
+
+    def _marked(self, name: str) -> tuple[str, ...]:
+        """A field of the mark of each finding: the same tuple until a mark changes."""
+        version, found = self._of_marks.get(name, (None, ()))
+        if version != self.marks.version:
+            found = tuple(getattr(self.marks.of(each), name) for each in self.ids)
+            self._of_marks[name] = (self.marks.version, found)
+        return found
 
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
         """`(n,)`: a `feeler.Verdict` each, as words."""
-        return read_only(Verdict.words(self.columns.verdict))
+        return self._once("verdicts", lambda: Verdict.words(self.columns.verdict))
 
     @property
     def depths(self) -> Floats:
@@ -327,7 +344,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def depth_kinds(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
-        return read_only(np.array(DEPTH_KINDS)[self.columns.depth_kind])
+        return self._once("depth_kinds", lambda: np.array(DEPTH_KINDS)[self.columns.depth_kind])
 
     @property
     def translations(self) -> Floats:
@@ -357,7 +374,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def signed_depths(self) -> Floats:
         """`(n,)`: the depth, or the negative gap, metres. `diff` compares this between checks."""
-        return read_only(np.where(self.depths > 0.0, self.depths, -self.gaps))
+        return self._once("signed_depths", lambda: np.where(self.depths > 0.0, self.depths, -self.gaps))
 
     @property
     def are_thin(self) -> npt.NDArray[np.bool_]:
@@ -389,12 +406,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def rules(self) -> npt.NDArray[np.str_]:
         """`(n,)`: the name of the rule."""
-        return read_only(np.array(self.rule_names or ("",))[self.columns.rule])
+        return self._once("rules", lambda: np.array(self.rule_names or ("",))[self.columns.rule])
 
     @property
     def severities(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"critical"`, `"major"` or `"minor"`."""
-        return read_only(np.array(SEVERITIES)[self.columns.severity])
+        return self._once("severities", lambda: np.array(SEVERITIES)[self.columns.severity])
 
     @cached_property
     def ids(self) -> tuple[str, ...]:
@@ -405,7 +422,10 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def statuses(self) -> npt.NDArray[np.str_]:
         """`(n,)`: each finding's status."""
-        return read_only(np.array([self.marks.of(each).status for each in self.ids], dtype="U8"))
+        words = self._marked("status")
+        if self._statuses is None or self._statuses[0] is not words:
+            self._statuses = (words, read_only(np.array(words, dtype="U8")))
+        return self._statuses[1]
 
     @cached_property
     def keys(self) -> tuple[str, ...]:
