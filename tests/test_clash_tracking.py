@@ -596,3 +596,27 @@ def test_gaps_that_a_smaller_clearance_does_not_look_for_keep_their_status(tmp_p
     assert (kept.id, kept.status, kept.by, kept.note) == (wide.id, "approved", "Ada", "agreed")
     gone = feeler.clash(row(0.1, 0.1), 0.006)
     assert [each.status for each in gone.diff(again).resolved] == ["resolved"]
+
+
+COMPUTED = ("paths_a", "paths_b", "verdicts", "depth_kinds", "signed_depths", "rules", "severities", "ids")
+MARKED = ("statuses", "by", "notes", "changed")
+
+
+def test_columns_are_made_once_and_those_of_statuses_after_each_change(mockup: feeler.Mockup) -> None:
+    """So that a loop over `clashes.statuses[row]` takes time in proportion to the rows."""
+    found = feeler.clash(mockup)
+    before = {name: getattr(found, name) for name in (*COMPUTED, *MARKED)}
+    assert all(getattr(found, name) is column for name, column in before.items())
+    found[1:2].set_status(found.ids[1], "reviewed", by="Ann", note="later")
+    assert all(getattr(found, name) is before[name] for name in COMPUTED)
+    assert found.statuses.tolist() == ["new", "reviewed", *["new"] * (len(found) - 2)]
+    assert (found.by[1], found.notes[1], found[1:].by[0]) == ("Ann", "later", "Ann")
+    assert before["statuses"].tolist() == ["new"] * len(found)
+    again = feeler.clash(mockup)
+    assert set(again.statuses.tolist()) == {"new"}
+    again.diff(found)
+    assert again.statuses.tolist() == ["active", "reviewed", *["active"] * (len(found) - 2)]
+    for copied in (pickle.loads(pickle.dumps(again)), copy.copy(again), again[::-1][::-1]):
+        assert copied.statuses.tolist() == again.statuses.tolist()
+        assert all(list(getattr(copied, name)) == list(getattr(again, name)) for name in (*COMPUTED, *MARKED))
+        assert not copied.statuses.flags.writeable and not copied.verdicts.flags.writeable

@@ -185,7 +185,7 @@ def test_files_that_are_not_whole_are_refused_in_words(file: Path, tmp_path: Pat
     with pytest.raises(feeler.MissingFileError, match="there is no such file"):
         feeler.open_scene(tmp_path / "none.feeler")
     for path in (None, 3, "", "a\0b", "\ud800", b"a"):
-        with pytest.raises(feeler.LoadError, match="give the path of a file"):
+        with pytest.raises(feeler.OptionError, match="give the path of a file"):
             feeler.open_scene(path)  # type: ignore[arg-type]
     with pytest.raises(feeler.OptionError, match="verify"):
         feeler.open_scene(file, "no")  # type: ignore[arg-type]

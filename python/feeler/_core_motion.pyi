@@ -155,17 +155,11 @@ class PathCheck:
         """Whether no segment has an impact, and the tool neither contains a part nor is inside one at the first
         pose."""
     @property
-    def free(self) -> bool:
-        """An older name of `is_free`."""
-    @property
     def containment(self) -> Containment | None:
         """Containment at the first pose; None unless `inside` was set."""
     @property
     def fractions(self) -> npt.NDArray[np.float64]:
         """`(segments,)`: the first impact of each segment, as a fraction of the segment; NaN if the segment is free."""
-    @property
-    def fraction(self) -> npt.NDArray[np.float64]:
-        """An older name of `fractions`."""
     @property
     def segments(self) -> npt.NDArray[np.uint64]:
         """`(k,)`: the segments with an impact, ascending. The rows of the following arrays belong to them."""
@@ -215,9 +209,6 @@ class ClearanceAlong:
     def fraction(self) -> float:
         """The place of `upper`, as a fraction of the motion, 0 to 1."""
     @property
-    def share(self) -> float:
-        """An older name of `fraction`."""
-    @property
     def pose(self) -> npt.NDArray[np.float64]:
         """`(4, 4)`: world_from_tool at `fraction`."""
     @property
@@ -235,9 +226,6 @@ class ClearanceAlong:
     @property
     def fractions(self) -> npt.NDArray[np.float64]:
         """`(n,)`: the middles of the spans of the curve, as fractions of the motion."""
-    @property
-    def shares(self) -> npt.NDArray[np.float64]:
-        """An older name of `fractions`."""
     @property
     def lowers(self) -> npt.NDArray[np.float64]:
         """`(n,)`: metres; nowhere in the span is the gap less."""

@@ -7,7 +7,10 @@ remedy.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from feeler.mechanism.joint import Joint
 
 
 class FeelerError(Exception):
@@ -41,7 +44,7 @@ class JointError(FeelerError, ValueError):
     candidates: the motions that are free, each as a `feeler.Joint`.
     """
 
-    def __init__(self, what: str, candidates: tuple[Any, ...] = ()) -> None:
+    def __init__(self, what: str, candidates: tuple[Joint, ...] = ()) -> None:
         self.candidates = candidates
         super().__init__(what)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Iterator
-from typing import Any, overload
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -81,7 +81,7 @@ class IgnoredPairs(_core.IgnoredPairs):
         return self
 
 
-Ignore = IgnoredPairs | Iterable[tuple[PartsLike, PartsLike]] | None
+Ignore: TypeAlias = IgnoredPairs | Iterable[tuple[PartsLike, PartsLike]] | None
 
 
 def ignored(ignore: Ignore, tool: _core.Tool, mockup: Mockup) -> IgnoredPairs | None:

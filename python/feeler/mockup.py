@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from feeler.attributes import Attributes
 from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.field_docs import documented
+from feeler.mesh_types import ArrayOfInts, ArrayOfRows, MeshSource
 from feeler.parts import Parts, PartsLike
 from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
@@ -242,9 +243,10 @@ class Mockup(_Attributed, _core.Mockup):
     vertices may read back as 4294967295 in `.faces`.
 
     Instead of arrays, the first argument may be a mesh or scene of trimesh, PyVista or Open3D, any object with
-    `.vertices` and `.faces`, or a list or dict of them (see `feeler.from_trimesh`, ...). `unit` is then the unit of its
-    numbers, by default the one it states, else the metre. A pair of arrays (vertices, faces) in such a list or dict is
-    a part, in metres.
+    `.vertices` and `.faces`, or a list or dict of them (see `feeler.from_trimesh`, ...). A key `"b/c"` of such a dict
+    is part `c` of assembly `b`, as `{"b": {"c": mesh}}` is; of equal paths the second becomes `b/c#2`. `unit` is the
+    unit of the objects' numbers, by default the one they state, else the metre. A pair of arrays (vertices, faces) in
+    such a list or dict is a part; pairs, mock-ups and tools are in metres, and `unit` does not scale them.
 
     Attributes:
 
@@ -262,11 +264,33 @@ class Mockup(_Attributed, _core.Mockup):
     _moves: tuple[list[int], npt.NDArray[np.float64]] | None = None
     """Then: by part the number of its pose, or -1, and the poses."""
 
+    @overload
     def __new__(
         cls,
-        vertices: Any,
-        faces: npt.ArrayLike | None = None,
-        part_of_face: npt.ArrayLike | None = None,
+        vertices: ArrayOfRows,
+        faces: ArrayOfRows,
+        part_of_face: ArrayOfInts | None = None,
+        part_names: Sequence[str] | None = None,
+        *,
+        part_paths: Sequence[str] | None = None,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+    ) -> Mockup: ...
+    @overload
+    def __new__(
+        cls,
+        vertices: MeshSource,
+        faces: None = None,
+        *,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+        unit: UnitName | None = None,
+    ) -> Mockup: ...
+    def __new__(
+        cls,
+        vertices: ArrayOfRows | MeshSource,
+        faces: ArrayOfRows | None = None,
+        part_of_face: ArrayOfInts | None = None,
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
@@ -383,14 +407,36 @@ class Tool(_Attributed, _core.Tool):
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """
 
-    name: str
-
+    @overload
     def __new__(
         cls,
-        vertices: Any,
-        faces: npt.ArrayLike | None = None,
+        vertices: ArrayOfRows,
+        faces: ArrayOfRows,
         name: str = "tool",
-        part_of_face: npt.ArrayLike | None = None,
+        part_of_face: ArrayOfInts | None = None,
+        part_names: Sequence[str] | None = None,
+        *,
+        part_paths: Sequence[str] | None = None,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+    ) -> Tool: ...
+    @overload
+    def __new__(
+        cls,
+        vertices: MeshSource,
+        faces: None = None,
+        name: str = "tool",
+        *,
+        part_attributes: Sequence[Mapping[str, str]] | None = None,
+        source: Source | None = None,
+        unit: UnitName | None = None,
+    ) -> Tool: ...
+    def __new__(
+        cls,
+        vertices: ArrayOfRows | MeshSource,
+        faces: ArrayOfRows | None = None,
+        name: str = "tool",
+        part_of_face: ArrayOfInts | None = None,
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
@@ -413,7 +459,7 @@ class Tool(_Attributed, _core.Tool):
         check_text("name", name)
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), name)
         self = super().__new__(cls, points, indices, parts, len(names))
-        self.name = name
+        self.__dict__["name"] = name
         self._name_parts(names, paths)
         if part_attributes is not None:
             self.part_attributes = part_attributes
@@ -421,6 +467,16 @@ class Tool(_Attributed, _core.Tool):
             self._keep_attributes(given._part_attributes)
         self.source = Source() if source is None else source
         return self
+
+    @property
+    def name(self) -> str:
+        """What the tool is called. You can set it; raises `OptionError` for anything but text."""
+        name: str = self.__dict__["name"]
+        return name
+
+    @name.setter
+    def name(self, given: str) -> None:
+        self.__dict__["name"] = check_text("name", given)
 
     @classmethod
     def of_parts(cls, mockup: Mockup, parts: PartsLike | None = None, name: str | None = None) -> Tool:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, overload
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -43,7 +43,7 @@ class Part:
     attributes: dict[str, str] = field(default_factory=dict, compare=False)
 
 
-PartsLike = int | str | Part | Iterable[int | str | Part] | npt.NDArray[Any]
+PartsLike: TypeAlias = int | str | Part | Iterable[int | str | Part] | npt.NDArray[Any]
 """Parts, as arguments name them: see `Parts.select`."""
 
 
@@ -73,7 +73,7 @@ class Parts(Sequence[Part]):
     def __getitem__(self, index: int | slice) -> Part | list[Part]:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
-        if not hasattr(index, "__index__"):
+        if not hasattr(index, "__index__") or isinstance(index, bool):
             raise TypeError(f"a part is indexed by its number, not by {shown(index)}: parts.find(path) looks parts up")
         try:
             i = range(len(self))[index]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol, cast, overload
+from typing import Any, Protocol, TypeAlias, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -33,11 +33,11 @@ class HasArray(Protocol):
 
 # Without npt.ArrayLike, which takes text and numbers, and under which a type checker finds no type for rows of whole
 # and other numbers mixed.
-_Matrix = npt.NDArray[Any] | Sequence[Sequence[float]] | HasArray | HasMatrix
-PoseLike = _Matrix | tuple[_Matrix, npt.NDArray[Any] | Sequence[float] | HasArray]
+_Matrix: TypeAlias = npt.NDArray[Any] | Sequence[Sequence[float]] | HasArray | HasMatrix
+PoseLike: TypeAlias = _Matrix | tuple[_Matrix, npt.NDArray[Any] | Sequence[float] | HasArray]
 """A pose: `(4, 4)` numbers, row by row; an object with `as_matrix()`; or a pair of a rotation (`(3, 3)`, or an object
 with `as_matrix()`) and a translation `(3,)`."""
-PosesLike = npt.NDArray[Any] | HasArray | HasMatrix | Sequence[PoseLike]
+PosesLike: TypeAlias = npt.NDArray[Any] | HasArray | HasMatrix | Sequence[PoseLike]
 """Many poses: `(n, 4, 4)`, an object whose `as_matrix()` gives that, or a list of poses."""
 
 MAX_DEVIATION = 0.01

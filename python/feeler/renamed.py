@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import warnings
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, ClassVar, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypeVar
 
 from feeler.errors import OptionError
 
@@ -50,8 +50,20 @@ def keywords(
     return decorated
 
 
+def old_attribute(held: Any, name: str) -> object:
+    """`__getattr__` of a class with old names: those of its `_RENAMED` and `_GONE`, which `OldAttributes` describes."""
+    kind = type(held)
+    if name in kind._RENAMED:
+        new = kind._RENAMED[name]
+        warnings.warn(f"{kind.__name__}.{name} is now {kind.__name__}.{new}", DeprecationWarning, stacklevel=2)
+        return held._old_value(name) if isinstance(held, OldAttributes) else getattr(held, new)
+    gone = getattr(kind, "_GONE", {})
+    why = f"; {gone[name]}" if name in gone else ""
+    raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{why}", name=name, obj=held)
+
+
 class OldAttributes:
-    """A class with attributes that have other names now."""
+    """A class with attributes that have other names now. A class of the core has the same table and `__getattr__`."""
 
     _RENAMED: ClassVar[Mapping[str, str]] = {}
     """Old and new name: it answers, with a `DeprecationWarning`."""
@@ -59,15 +71,7 @@ class OldAttributes:
     """Old names, and what to do instead, which an `AttributeError` says."""
 
     if not TYPE_CHECKING:  # a type checker refuses old names
-
-        def __getattr__(self, name: str) -> object:
-            kind = type(self)
-            if name in kind._RENAMED:
-                new = kind._RENAMED[name]
-                warnings.warn(f"{kind.__name__}.{name} is now {kind.__name__}.{new}", DeprecationWarning, stacklevel=2)
-                return self._old_value(name)
-            why = f"; {kind._GONE[name]}" if name in kind._GONE else ""
-            raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{why}", name=name, obj=self)
+        __getattr__ = old_attribute
 
     def _old_value(self, name: str) -> object:
         """The value that an old attribute had: that of the new one, unless a class says otherwise."""

@@ -15,7 +15,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -118,7 +118,7 @@ class Verified:
         }
 
 
-RequirementsLike = Iterable[Requirement] | Mapping[str, object] | str | os.PathLike[str]
+RequirementsLike: TypeAlias = Iterable[Requirement] | Mapping[str, object] | str | os.PathLike[str]
 """Requirements, a dict of the form of their TOML file, or the path of such a file."""
 
 

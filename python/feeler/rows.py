@@ -16,6 +16,13 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 Row = TypeVar("Row")
+AnyArray = TypeVar("AnyArray", bound=npt.NDArray[Any])
+
+
+def read_only(column: AnyArray) -> AnyArray:
+    """Makes a computed array read-only: its table would not see what a caller writes into it."""
+    column.flags.writeable = False
+    return column
 
 
 class Columns(Generic[Row]):

@@ -51,7 +51,7 @@ from feeler.calibrate import machine_constants
 from feeler.choices import ESTIMATORS, SIMDS, STORAGES, TOUCHINGS, Estimator, Simd, Storage, Touching
 from feeler.depths import Depths
 from feeler.enumerations import CodedEnum
-from feeler.errors import LimitError, LoadError, MeshError, OptionError, WriteError
+from feeler.errors import LimitError, MeshError, OptionError, WriteError
 from feeler.figures import SceneMemory
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.memory import free_memory
@@ -659,7 +659,7 @@ def open_scene(
     """
     limit = _memory_limit(memory_limit)
     check_progress(progress)
-    file = saved.opened(saved.path_of(path, LoadError), check_flag("verify", verify), limit, progress)
+    file = saved.opened(saved.path_of(path, OptionError), check_flag("verify", verify), limit, progress)
     mockup = Mockup._of_file(file)
     options = {"threads": threads, "memory_limit": memory_limit, "simd": simd}
     core = file.core

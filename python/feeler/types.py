@@ -58,6 +58,17 @@ from feeler.interchange.urdf import PackageDirs
 from feeler.io.body import Colour, MeshLike
 from feeler.io.files import PathLike
 from feeler.mechanism.positions import Values
+from feeler.mesh_types import (
+    ArrayOfInts,
+    ArrayOfRows,
+    HasBlocks,
+    HasMeshes,
+    HasPoints,
+    HasTransform,
+    HasTriangle,
+    HasVertices,
+    MeshSource,
+)
 from feeler.mockup import Defect, LoadReport
 from feeler.parts import Part, Parts, PartsLike
 from feeler.picture.collision import Hits
@@ -78,6 +89,8 @@ from feeler.workbench.document.protocol_task import TaskEditKind
 from feeler.workbench.document.protocol_values import Vec3
 
 __all__ = [
+    "ArrayOfInts",
+    "ArrayOfRows",
     "CardQuestion",
     "Chord",
     "CollisionStats",
@@ -107,7 +120,13 @@ __all__ = [
     "Hand",
     "HandGrip",
     "HasArray",
+    "HasBlocks",
     "HasMatrix",
+    "HasMeshes",
+    "HasPoints",
+    "HasTransform",
+    "HasTriangle",
+    "HasVertices",
     "Hits",
     "Ignore",
     "JointKindName",
@@ -118,6 +137,7 @@ __all__ = [
     "MeasureType",
     "MechanismSeatKind",
     "MeshLike",
+    "MeshSource",
     "OpeningShape",
     "PackageDirs",
     "Part",

@@ -49,3 +49,16 @@ found.free  # wrong
 scene.distance(tool, np.eye(4), max=1.0)  # wrong
 scene.memory().bytes  # wrong
 hit_stats: dict[str, int] = scene.collide(tool, np.eye(4)).stats  # wrong
+feeler.Mockup("file.stl")  # wrong
+feeler.Mockup(3)  # wrong
+feeler.Mockup(None)  # wrong
+feeler.Mockup(["file.stl"])  # wrong
+feeler.Mockup({"a": "file.stl"})  # wrong
+feeler.Mockup(np.eye(3))  # wrong
+feeler.Mockup("file.stl", "faces")  # wrong
+feeler.Mockup(np.eye(3), 3)  # wrong
+feeler.Mockup(np.eye(3), [[0, 1, 2]], "abc")  # wrong
+feeler.Mockup(np.eye(3), [[0, 1, 2]], unit="mm")  # wrong
+feeler.Tool("file.stl")  # wrong
+feeler.Tool(3)  # wrong
+feeler.from_trimesh("file.stl")  # wrong

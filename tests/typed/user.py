@@ -11,6 +11,7 @@ from feeler.types import (
     FindingStatus,
     GivenWay,
     Hand,
+    MeshSource,
     PackageDirs,
     PartsLike,
     PoseLike,
@@ -109,6 +110,33 @@ except (feeler.WorkbenchError, feeler.WriteError, feeler.RemovalInterrupted) as 
     print(error)
 
 
+class Held:
+    """A mesh of another library."""
+
+    vertices = np.zeros((3, 3))
+    faces = np.array([[0, 1, 2]])
+
+
+corners, corner = Held.vertices, Held.faces
+one: feeler.Mockup = feeler.Mockup(corners, corner, [0], ["a"], part_paths=["a/b"])
+feeler.Mockup(corners.astype(np.float32), corner.astype(np.uint8))
+feeler.Mockup([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+feeler.Mockup([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+wrench: feeler.Tool = feeler.Tool(corners, corner, "wrench")
+feeler.Tool(one, name="all")
+feeler.Mockup(Held(), unit="mm")
+feeler.Mockup([Held(), one, wrench, (corners, corner)])
+feeler.Mockup({"a": Held(), "b": (corners, corner), "c": {"d": [one]}, "e": one})
+by_name: dict[str, Held] = {"a": Held()}
+feeler.Mockup(by_name)
+feeler.Mockup(list(by_name.values()))
+feeler.Mockup({number: one for number in range(3)})
+
+
+def made(mesh: MeshSource) -> feeler.Mockup:
+    return feeler.from_trimesh(mesh, unit="in")
+
+
 def approved(project: feeler.Project) -> list[str]:
     assert_type(project.history()[0]["at"], str)
     assert_type(project.document()["hidden"], list[int])
@@ -118,3 +146,13 @@ def approved(project: feeler.Project) -> list[str]:
 for tool_triangle, mockup_triangle in hit:
     assert_type(tool_triangle + mockup_triangle, int)
 assert_type([each.distance for each in scene.rays([[0, 0, 9]], [[0, 0, -1]]) if each is not None], list[float])
+
+
+def turning(scene: feeler.Scene) -> list[str]:
+    try:
+        with feeler.haptics.Session(scene, tool) as held:
+            held.start(pose)
+    except feeler.JointError as error:
+        assert_type(error.candidates, tuple[feeler.Joint, ...])
+        return [each.name for each in error.candidates]
+    return []

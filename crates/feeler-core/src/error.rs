@@ -76,7 +76,7 @@ pub enum Error {
         value: f64,
     },
     /// A pose whose matrix is not a rigid motion.
-    #[error("the pose is not rigid: {why} (allowed deviation 1e-6); give a rotation without scale, shear or mirror")]
+    #[error("the pose is not rigid: {why}; give a rotation without scale, shear or mirror")]
     PoseNotRigid {
         /// Which condition failed, and by how much.
         why: String,

@@ -1,12 +1,15 @@
 //! The least gap along a motion.
 
+use std::collections::HashMap;
+
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::cast::warn_of_old_name;
+use crate::arrays::IntoReadOnly;
+use crate::old_names::old_attribute;
 use crate::proximity::Distance;
 use crate::travel::{damaged, list, reduced, rows_of};
 
@@ -38,7 +41,7 @@ impl ClearanceAlong {
     }
 
     fn column<'py>(&self, py: Python<'py>, of: impl Fn(&[f64; 4]) -> f64) -> Bound<'py, PyArray1<f64>> {
-        self.spans.iter().map(of).collect::<Vec<f64>>().into_pyarray(py)
+        self.spans.iter().map(of).collect::<Vec<f64>>().into_read_only(py)
     }
 }
 
@@ -62,17 +65,10 @@ impl ClearanceAlong {
         self.bounds[2]
     }
 
-    /// An older name of `fraction`.
-    #[getter]
-    fn share(&self, py: Python<'_>) -> PyResult<f64> {
-        warn_of_old_name(py, c"ClearanceAlong.share is now ClearanceAlong.fraction")?;
-        Ok(self.fraction())
-    }
-
     /// `(4, 4)`: world_from_tool at `fraction`.
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_pyarray(py)
+        Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_read_only(py)
     }
 
     /// The index into `mockup.parts` of the closest part at `fraction`; None if no part is within `within`.
@@ -91,27 +87,20 @@ impl ClearanceAlong {
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         let gap = self.gap?;
-        Some(Array2::from_shape_fn((2, 3), |(i, a)| [gap.on_tool, gap.on_mockup][i][a]).into_pyarray(py))
+        Some(Array2::from_shape_fn((2, 3), |(i, a)| [gap.on_tool, gap.on_mockup][i][a]).into_read_only(py))
     }
 
     /// `(n + 1,)`: where the spans of the curve begin and end, as fractions of the motion.
     #[getter]
     fn edges<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let first = self.spans.first().map_or(0.0, |span| span[0]);
-        std::iter::once(first).chain(self.spans.iter().map(|span| span[1])).collect::<Vec<f64>>().into_pyarray(py)
+        std::iter::once(first).chain(self.spans.iter().map(|span| span[1])).collect::<Vec<f64>>().into_read_only(py)
     }
 
     /// `(n,)`: the middles of the spans of the curve, as fractions of the motion.
     #[getter]
     fn fractions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |span| 0.5 * (span[0] + span[1]))
-    }
-
-    /// An older name of `fractions`.
-    #[getter]
-    fn shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        warn_of_old_name(py, c"ClearanceAlong.shares is now ClearanceAlong.fractions")?;
-        Ok(self.fractions(py))
     }
 
     /// `(n,)`: metres; nowhere in the span is the gap less.
@@ -130,9 +119,19 @@ impl ClearanceAlong {
         format!("ClearanceAlong({:?} to {:?} m at {:?})", self.bounds[0], self.bounds[1], self.bounds[2])
     }
 
+    #[classattr]
+    #[pyo3(name = "_RENAMED")]
+    fn renamed() -> HashMap<&'static str, &'static str> {
+        HashMap::from([("share", "fraction"), ("shares", "fractions")])
+    }
+
+    fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        old_attribute(slf, name)
+    }
+
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let spans = Array2::from_shape_fn((self.spans.len(), 4), |(n, i)| self.spans[n][i]).into_pyarray(py);
-        let bounds = self.bounds.to_vec().into_pyarray(py);
+        let spans = Array2::from_shape_fn((self.spans.len(), 4), |(n, i)| self.spans[n][i]).into_read_only(py);
+        let bounds = self.bounds.to_vec().into_read_only(py);
         reduced(py, "ClearanceAlong", (bounds, self.pose(py), Bound::new(py, Distance::new(self.gap))?, spans))
     }
 }

@@ -93,6 +93,17 @@ pub fn read_only<T, D>(array: Bound<'_, PyArray<T, D>>) -> Bound<'_, PyArray<T, 
     array
 }
 
+/// Values as an array that an answer hands out: read-only, since it is made anew at every access, and what is written
+/// into it would be lost.
+pub trait IntoReadOnly: IntoPyArray {
+    /// The array.
+    fn into_read_only<'py>(self, py: Python<'py>) -> Bound<'py, PyArray<Self::Item, Self::Dim>> {
+        read_only(self.into_pyarray(py))
+    }
+}
+
+impl<T: IntoPyArray> IntoReadOnly for T {}
+
 /// Of an array that was just made. By way of Python it would take eight times as long as all else here.
 fn set_read_only<T, D>(array: &Bound<'_, PyArray<T, D>>) {
     // SAFETY: the array is alive, and nobody else knows it yet.

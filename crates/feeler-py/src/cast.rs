@@ -1,14 +1,16 @@
 //! Results of continuous queries.
 
+use std::collections::HashMap;
+
 use feeler_core as core;
 use numpy::ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyDeprecationWarning;
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyTuple};
 
-use crate::arrays::{at, in_order, Index};
+use crate::arrays::{at, in_order, Index, IntoReadOnly};
 use crate::containment::Containment;
+use crate::old_names::old_attribute;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 use crate::words::counted;
 
@@ -70,7 +72,7 @@ type Rows<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 fn rows_for<'py>(py: Python<'py>, casts: &[Cast]) -> Rows<'py> {
     let rows: Vec<_> = casts.iter().map(Cast::state).collect();
     let numbers = Array2::from_shape_fn((rows.len(), 24), |(n, i)| rows[n].0[i]);
-    (numbers.into_pyarray(py), Array2::from_shape_fn((rows.len(), 4), |(n, i)| rows[n].1[i]).into_pyarray(py))
+    (numbers.into_read_only(py), Array2::from_shape_fn((rows.len(), 4), |(n, i)| rows[n].1[i]).into_read_only(py))
 }
 
 fn casts_of((numbers, ids): (PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, u32>)) -> PyResult<Vec<Cast>> {
@@ -90,19 +92,19 @@ impl Cast {
     /// `(4, 4)`: world_from_tool at the impact.
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_pyarray(py)
+        Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_read_only(py)
     }
 
     /// `(3,)`: the point of impact on the mock-up, metres, world.
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.point.to_vec().into_pyarray(py)
+        self.point.to_vec().into_read_only(py)
     }
 
     /// `(3,)`: unit normal of the contact, from mock-up to tool, world.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.normal.to_vec().into_pyarray(py)
+        self.normal.to_vec().into_read_only(py)
     }
 
     /// The remaining distance of the two triangles at the pose, metres: at most the tolerance; 0 if they collide.
@@ -182,7 +184,7 @@ impl PathCheck {
     }
 
     fn points_of<'py>(&self, py: Python<'py>, of: impl Fn(&Cast) -> core::Point) -> Bound<'py, PyArray2<f64>> {
-        Array2::from_shape_fn((self.hits.len(), 3), |(i, a)| of(&self.hits[i].1)[a]).into_pyarray(py)
+        Array2::from_shape_fn((self.hits.len(), 3), |(i, a)| of(&self.hits[i].1)[a]).into_read_only(py)
     }
 
     fn column<'py, T: numpy::Element>(
@@ -190,7 +192,7 @@ impl PathCheck {
         py: Python<'py>,
         of: impl Fn(&(usize, Cast)) -> T,
     ) -> Bound<'py, PyArray1<T>> {
-        self.hits.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
+        self.hits.iter().map(of).collect::<Vec<T>>().into_read_only(py)
     }
 }
 
@@ -201,13 +203,6 @@ impl PathCheck {
     #[getter]
     fn is_free(&self) -> bool {
         self.hits.is_empty() && !self.inside.as_ref().is_some_and(Containment::is_any)
-    }
-
-    /// An older name of `is_free`.
-    #[getter]
-    fn free(&self, py: Python<'_>) -> PyResult<bool> {
-        warn_of_old_name(py, c"PathCheck.free is now PathCheck.is_free")?;
-        Ok(self.is_free())
     }
 
     /// Containment at the first pose; None unless `inside` was set.
@@ -221,14 +216,7 @@ impl PathCheck {
     fn fractions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let mut fraction = vec![f64::NAN; self.count];
         self.hits.iter().for_each(|(segment, cast)| fraction[*segment] = cast.fraction);
-        fraction.into_pyarray(py)
-    }
-
-    /// An older name of `fractions`.
-    #[getter]
-    fn fraction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        warn_of_old_name(py, c"PathCheck.fraction is now PathCheck.fractions")?;
-        Ok(self.fractions(py))
+        fraction.into_read_only(py)
     }
 
     /// `(k,)`: the segments with an impact, ascending. The rows of the following arrays belong to them.
@@ -240,7 +228,7 @@ impl PathCheck {
     /// `(k, 4, 4)`: world_from_tool at the impact.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
-        Array3::from_shape_fn((self.hits.len(), 4, 4), |(n, i, j)| self.hits[n].1.pose[i][j]).into_pyarray(py)
+        Array3::from_shape_fn((self.hits.len(), 4, 4), |(n, i, j)| self.hits[n].1.pose[i][j]).into_read_only(py)
     }
 
     /// `(k, 3)`: as `Cast.point`.
@@ -307,13 +295,19 @@ impl PathCheck {
         format!("PathCheck({}, {} hit)", counted(self.count, "segment"), self.hits.len())
     }
 
+    #[classattr]
+    #[pyo3(name = "_RENAMED")]
+    fn renamed() -> HashMap<&'static str, &'static str> {
+        HashMap::from([("free", "is_free"), ("fraction", "fractions")])
+    }
+
+    fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        old_attribute(slf, name)
+    }
+
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let casts: Vec<Cast> = self.hits.iter().map(|(_, cast)| *cast).collect();
         let (numbers, ids) = rows_for(py, &casts);
         reduced(py, "PathCheck", (self.count, (self.segments(py), numbers, ids), self.inside.clone()))
     }
-}
-
-pub fn warn_of_old_name(py: Python<'_>, what: &std::ffi::CStr) -> PyResult<()> {
-    PyErr::warn(py, &py.get_type::<PyDeprecationWarning>(), what, 1)
 }

@@ -6,10 +6,11 @@ use std::time::Instant;
 use feeler_contacts as contacts;
 use feeler_core as core;
 use numpy::ndarray::{Array2, Array3};
-use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{Element, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays::IntoReadOnly;
 use crate::errors::{raise, to_py};
 use crate::pools::Pool;
 use crate::proximity::points;
@@ -29,7 +30,7 @@ pub struct ClashRows {
 
 impl ClashRows {
     fn column<'py, T: Element>(&self, py: Python<'py>, of: impl Fn(&contacts::Clash) -> T) -> Bound<'py, PyArray1<T>> {
-        self.rows.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
+        self.rows.iter().map(of).collect::<Vec<T>>().into_read_only(py)
     }
 
     fn points<'py>(&self, py: Python<'py>, of: impl Fn(&contacts::Clash) -> core::Point) -> Bound<'py, PyArray2<f64>> {
@@ -111,13 +112,13 @@ impl ClashRows {
     #[getter(r#box)]
     fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         let side = |row: &contacts::Clash, i: usize| if i == 0 { row.bounds.lower } else { row.bounds.upper };
-        Array3::from_shape_fn((self.rows.len(), 2, 3), |(n, i, axis)| side(&self.rows[n], i)[axis]).into_pyarray(py)
+        Array3::from_shape_fn((self.rows.len(), 2, 3), |(n, i, axis)| side(&self.rows[n], i)[axis]).into_read_only(py)
     }
 
     /// `(n, 2)`: whether `a`, and `b`, has no closed surface and so no inside.
     #[getter]
     fn is_open<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<bool>> {
-        Array2::from_shape_fn((self.rows.len(), 2), |(n, i)| self.rows[n].is_open[i]).into_pyarray(py)
+        Array2::from_shape_fn((self.rows.len(), 2), |(n, i)| self.rows[n].is_open[i]).into_read_only(py)
     }
 
     /// Number of pairs by first verdict: `crossing`, `touching`, `contained`, `duplicates`, `near`.

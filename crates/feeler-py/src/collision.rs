@@ -5,11 +5,11 @@ use std::sync::{Arc, OnceLock};
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator, PyTuple};
 
-use crate::arrays::{at, codes, in_order, view, view_rows, words, Index, Word};
+use crate::arrays::{at, codes, in_order, view, view_rows, words, Index, IntoReadOnly, Word};
 use crate::mockup::Mockup;
 use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 use crate::words::counted;
@@ -244,7 +244,7 @@ impl Batch {
     fn __getitem__<'py>(&self, py: Python<'py>, index: Index<'py>) -> PyResult<Bound<'py, PyAny>> {
         at(py, &index, (self.__len__(), "pose"), |i| {
             let rows = &self.core.pairs[self.core.offsets[i] as usize..self.core.offsets[i + 1] as usize];
-            Ok(Array2::from_shape_fn((rows.len(), 2), |(r, c)| rows[r][c]).into_pyarray(py))
+            Ok(Array2::from_shape_fn((rows.len(), 2), |(r, c)| rows[r][c]).into_read_only(py))
         })
     }
 

@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use feeler_contacts as contacts;
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use once_cell::race::OnceBox;
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyList, PyTuple};
 
 use crate::arguments::{PoseArgument, ToolArgument};
-use crate::arrays::{at, pose_array, view, view_blocks, view_rows, Index};
+use crate::arrays::{at, pose_array, read_only, view, view_blocks, view_rows, Index, IntoReadOnly};
 use crate::errors::to_py;
 use crate::scene::Scene;
 use crate::selection::Ignore;
@@ -349,13 +349,13 @@ impl ContactPlane {
     /// `(3,)`: on the mock-up's surface, world, metres.
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.contacts.get().points[self.plane].to_vec().into_pyarray(py)
+        self.contacts.get().points[self.plane].to_vec().into_read_only(py)
     }
 
     /// `(3,)`: unit, from the mock-up to the tool, world.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.contacts.get().normals[self.plane].to_vec().into_pyarray(py)
+        self.contacts.get().normals[self.plane].to_vec().into_read_only(py)
     }
 
     /// Metres; negative: depth.
@@ -387,19 +387,19 @@ impl ContactPlane {
     fn footing<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let footing = self.contacts.get().footings(py);
         let points = &footing.points[self.plane][..footing.counts[self.plane] as usize];
-        Array2::from_shape_fn((points.len(), 3), |(i, a)| points[i][a]).into_pyarray(py)
+        Array2::from_shape_fn((points.len(), 3), |(i, a)| points[i][a]).into_read_only(py)
     }
 
     /// `(t,)`: triangles of the tool behind it, ascending.
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.triangles(0).into_pyarray(py)
+        self.triangles(0).into_read_only(py)
     }
 
     /// `(m,)`: triangles of the mock-up behind it, ascending.
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.triangles(1).into_pyarray(py)
+        self.triangles(1).into_read_only(py)
     }
 
     fn __repr__(&self) -> String {
@@ -459,7 +459,7 @@ impl Penetration {
     /// `(3,)`: metres, world; add it to the pose's translation.
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.translation.to_vec().into_pyarray(py)
+        self.translation.to_vec().into_read_only(py)
     }
 
     /// Its length, metres.
@@ -526,7 +526,7 @@ impl ContactTracker {
     #[getter]
     fn last_free<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         let tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
-        tracker.last_free().map(|pose| pose_array(py, pose))
+        tracker.last_free().map(|pose| read_only(pose_array(py, pose)))
     }
 
     /// Sets the last free pose, or forgets it.

@@ -2,10 +2,11 @@
 
 use feeler_contacts as contacts;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
+use crate::arrays::IntoReadOnly;
 use crate::travel::{list, reduced, rows_of};
 
 /// Bodies inside other bodies, without colliding; true if there is any.
@@ -21,11 +22,11 @@ fn parts<'py>(py: Python<'py>, pairs: &[[u32; 2]]) -> Bound<'py, PyArray1<u32>> 
     let mut parts: Vec<u32> = pairs.iter().map(|[_, part]| *part).collect();
     parts.sort_unstable();
     parts.dedup();
-    parts.into_pyarray(py)
+    parts.into_read_only(py)
 }
 
 fn rows<'py>(py: Python<'py>, pairs: &[[u32; 2]]) -> Bound<'py, PyArray2<u32>> {
-    Array2::from_shape_fn((pairs.len(), 2), |(n, i)| pairs[n][i]).into_pyarray(py)
+    Array2::from_shape_fn((pairs.len(), 2), |(n, i)| pairs[n][i]).into_read_only(py)
 }
 
 impl Containment {
@@ -75,7 +76,7 @@ impl Containment {
     /// open, parts with a corner in its box.
     #[getter]
     fn unknown<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.unknown.clone().into_pyarray(py)
+        self.unknown.clone().into_read_only(py)
     }
 
     fn __bool__(&self) -> bool {

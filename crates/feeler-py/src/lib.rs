@@ -18,6 +18,7 @@ mod haptics_own;
 mod haptics_run;
 mod huge_pages;
 mod mockup;
+mod old_names;
 mod packed;
 mod pools;
 mod predict;

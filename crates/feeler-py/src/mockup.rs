@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use feeler_core as core;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{read_only, rows, view_rows};
+use crate::arrays::{read_only, rows, view_rows, IntoReadOnly};
 use crate::errors::to_py;
 use crate::packed::Packed;
 use crate::saved::SavedScene;
@@ -89,13 +89,13 @@ impl Mockup {
     #[getter]
     fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let faces = self.core.mesh().faces().len() as u32;
-        read_only((0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py))
+        (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_read_only(py)
     }
 
     /// `(parts,)`: triangles of each part, defective ones included.
     #[getter]
     fn part_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        read_only(self.core.part_triangles().to_vec().into_pyarray(py))
+        self.core.part_triangles().to_vec().into_read_only(py)
     }
 
     /// `(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty.

@@ -9,7 +9,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::arrays::{view, view_rows};
+use crate::arrays::{view, view_rows, IntoReadOnly};
 use crate::errors::to_py;
 use crate::pools::on_pool;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
@@ -85,7 +85,7 @@ impl Packed {
     /// `(3,)`: the origin of positions, in the mesh's frame, metres: the middle of its box.
     #[getter]
     fn middle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.middle.to_vec().into_pyarray(py)
+        self.middle.to_vec().into_read_only(py)
     }
 
     /// A piece whose copies of other parts are sent as places: runs `(r, 4)`, places `(c, 12)`, and positions, parts and
@@ -193,7 +193,7 @@ impl PackedPiece {
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let b = [self.core.bounds.lower, self.core.bounds.upper];
-        Array2::from_shape_fn((2, 3), |(i, a)| b[i][a]).into_pyarray(py)
+        Array2::from_shape_fn((2, 3), |(i, a)| b[i][a]).into_read_only(py)
     }
 
     fn __repr__(&self) -> String {

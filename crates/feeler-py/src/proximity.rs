@@ -2,11 +2,11 @@
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyTuple};
 
-use crate::arrays::{at, in_order, Index};
+use crate::arrays::{at, in_order, Index, IntoReadOnly};
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 use crate::words::counted;
 
@@ -14,7 +14,7 @@ use crate::words::counted;
 pub fn points<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = core::Point>) -> Bound<'py, PyArray2<f64>> {
     let count = rows.len();
     let flat: Vec<f64> = rows.flatten().collect();
-    Array2::from_shape_vec((count, 3), flat).expect("three numbers a row").into_pyarray(py)
+    Array2::from_shape_vec((count, 3), flat).expect("three numbers a row").into_read_only(py)
 }
 
 /// A row of ids and one of numbers for each gap.
@@ -28,7 +28,7 @@ fn rows_for<'py>(py: Python<'py>, gaps: &[core::Gap]) -> Rows<'py> {
         1..4 => gaps[n].on_tool[i - 1],
         _ => gaps[n].on_mockup[i - 4],
     });
-    (ids.into_pyarray(py), numbers.into_pyarray(py))
+    (ids.into_read_only(py), numbers.into_read_only(py))
 }
 
 fn gaps_of(ids: &PyReadonlyArray2<'_, u32>, numbers: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<core::Gap>> {
@@ -84,13 +84,13 @@ impl Distance {
     /// `(3,)`: the closest point of the tool, world, metres.
     #[getter]
     fn point_on_tool<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.gap.map(|gap| gap.on_tool.to_vec().into_pyarray(py))
+        self.gap.map(|gap| gap.on_tool.to_vec().into_read_only(py))
     }
 
     /// `(3,)`: the closest point of the mock-up, world, metres; the same point if they collide.
     #[getter]
     fn point_on_mockup<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.gap.map(|gap| gap.on_mockup.to_vec().into_pyarray(py))
+        self.gap.map(|gap| gap.on_mockup.to_vec().into_read_only(py))
     }
 
     /// The tool's triangle that the point lies on.
@@ -153,7 +153,7 @@ impl DistanceBatch {
 
     fn ids<'py>(&self, py: Python<'py>, id: fn(&core::Gap) -> u32) -> Bound<'py, PyArray1<i64>> {
         let ids: Vec<i64> = self.gaps.iter().map(|gap| gap.as_ref().map_or(-1, |gap| id(gap).into())).collect();
-        ids.into_pyarray(py)
+        ids.into_read_only(py)
     }
 }
 
@@ -163,7 +163,7 @@ impl DistanceBatch {
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let values: Vec<f64> = self.gaps.iter().map(|gap| gap.map_or(f64::INFINITY, |gap| gap.distance)).collect();
-        values.into_pyarray(py)
+        values.into_read_only(py)
     }
 
     /// `(n, 3)`: world, metres.
@@ -219,7 +219,7 @@ impl DistanceBatch {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let near = self.gaps.iter().map(Option::is_some).collect::<Vec<bool>>().into_pyarray(py);
+        let near = self.gaps.iter().map(Option::is_some).collect::<Vec<bool>>().into_read_only(py);
         let found: Vec<core::Gap> = self.gaps.iter().flatten().copied().collect();
         let (ids, numbers) = rows_for(py, &found);
         reduced(py, "DistanceBatch", (near, ids, numbers))
@@ -245,7 +245,7 @@ impl Clearance {
     }
 
     fn ids<'py>(&self, py: Python<'py>, id: fn(&core::Gap) -> u32) -> Bound<'py, PyArray1<u32>> {
-        self.gaps.iter().map(id).collect::<Vec<u32>>().into_pyarray(py)
+        self.gaps.iter().map(id).collect::<Vec<u32>>().into_read_only(py)
     }
 }
 
@@ -266,7 +266,7 @@ impl Clearance {
     /// `(k,)`: metres, ascending; 0 where they collide.
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.gaps.iter().map(|gap| gap.distance).collect::<Vec<f64>>().into_pyarray(py)
+        self.gaps.iter().map(|gap| gap.distance).collect::<Vec<f64>>().into_read_only(py)
     }
 
     /// `(k, 3)`: the closest point of the tool, world, metres.
@@ -343,7 +343,7 @@ impl ClearanceBatch {
     /// `(n + 1,)`: where the rows of each pose begin.
     #[getter]
     fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
-        self.offsets.clone().into_pyarray(py)
+        self.offsets.clone().into_read_only(py)
     }
 
     /// `(K,)`: as in `Clearance`, and so are the others.

@@ -2,11 +2,11 @@
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyTuple};
 
-use crate::arrays::{at, in_order, read_only, view, view_blocks, Index};
+use crate::arrays::{at, in_order, view, view_blocks, Index, IntoReadOnly};
 use crate::proximity::points;
 use crate::travel::{check_lengths, list, reduced, rows_of};
 use crate::words::counted;
@@ -40,7 +40,7 @@ impl Rays {
 
     fn ids<'py>(&self, py: Python<'py>, id: fn(&core::RayHit) -> u32) -> Bound<'py, PyArray1<i64>> {
         let ids: Vec<i64> = self.hits.iter().map(|hit| hit.as_ref().map_or(-1, |hit| id(hit).into())).collect();
-        ids.into_pyarray(py)
+        ids.into_read_only(py)
     }
 }
 
@@ -50,7 +50,7 @@ impl Rays {
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let distances: Vec<f64> = self.hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance)).collect();
-        distances.into_pyarray(py)
+        distances.into_read_only(py)
     }
 
     /// `(n, 3)`: the hit, world, metres; NaN without a hit.
@@ -90,7 +90,7 @@ impl Rays {
         let class = py.import("feeler.rows")?.getattr("RayHit")?;
         at(py, &index, (self.hits.len(), "ray"), |i| {
             let row = |hit: core::RayHit| {
-                let vector = |v: core::Point| read_only(v.to_vec().into_pyarray(py));
+                let vector = |v: core::Point| v.to_vec().into_read_only(py);
                 class.call1((hit.distance, vector(hit.point), vector(hit.normal), hit.triangle, hit.part))
             };
             self.hits[i].map(row).transpose()
@@ -102,7 +102,7 @@ impl Rays {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let met = self.hits.iter().map(Option::is_some).collect::<Vec<bool>>().into_pyarray(py);
+        let met = self.hits.iter().map(Option::is_some).collect::<Vec<bool>>().into_read_only(py);
         let found: Vec<&core::RayHit> = self.hits.iter().flatten().collect();
         let ids = Array2::from_shape_fn((found.len(), 2), |(n, i)| [found[n].triangle, found[n].part][i]);
         let numbers = Array2::from_shape_fn((found.len(), 7), |(n, i)| match i {
@@ -110,7 +110,7 @@ impl Rays {
             1..4 => found[n].point[i - 1],
             _ => found[n].normal[i - 4],
         });
-        reduced(py, "Rays", (met, ids.into_pyarray(py), numbers.into_pyarray(py)))
+        reduced(py, "Rays", (met, ids.into_read_only(py), numbers.into_read_only(py)))
     }
 }
 

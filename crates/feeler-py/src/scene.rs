@@ -15,6 +15,7 @@ use crate::along::ClearanceAlong;
 use crate::arguments::{
     end_pose_or_none, reference_pose_or_none, start_pose, PoseArgument, PosesArgument, Switch, ToolArgument, Touching,
 };
+use crate::arrays::IntoReadOnly;
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::contacts::{Contacts, Penetration};
@@ -211,7 +212,7 @@ impl Scene {
     #[getter]
     fn part_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let parts = self.core.mockup().part_bounds().len() as u32;
-        (0..parts).map(|part| self.core.has_part(part)).collect::<Vec<bool>>().into_pyarray(py)
+        (0..parts).map(|part| self.core.has_part(part)).collect::<Vec<bool>>().into_read_only(py)
     }
 
     /// Bytes by structure, and their `"total"`: all that stays in memory for the index.

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use feeler_core as core;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{read_only, rows, view_rows};
+use crate::arrays::{rows, view_rows, IntoReadOnly};
 use crate::errors::to_py;
 use crate::mockup::{bounds, corners, defects};
 use crate::packed::Packed;
@@ -57,7 +57,7 @@ impl Tool {
     #[getter]
     fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         let faces = self.core.mesh().faces().len() as u32;
-        read_only((0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py))
+        (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_read_only(py)
     }
 
     /// Parts, including those without triangles.
@@ -72,7 +72,7 @@ impl Tool {
         let mut counts = vec![0u32; self.core.parts()];
         let faces = self.core.mesh().faces().len() as u32;
         (0..faces).for_each(|f| counts[self.core.part_of_face(f) as usize] += 1);
-        read_only(counts.into_pyarray(py))
+        counts.into_read_only(py)
     }
 
     /// `(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty.

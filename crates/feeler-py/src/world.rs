@@ -4,11 +4,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_core as core;
 use feeler_world as world;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arguments::{PoseArgument, PosesArgument, ToolArgument};
-use crate::arrays::pose_array;
+use crate::arrays::{pose_array, IntoReadOnly};
 use crate::collision::Collision;
 use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
@@ -215,7 +215,7 @@ impl World {
     fn part_of<'py>(&self, py: Python<'py>, triangles: PyReadonlyArray1<'py, u32>) -> Bound<'py, PyArray1<u32>> {
         let mockup = &self.mockup.get().core;
         let parts: Vec<u32> = triangles.as_array().iter().map(|triangle| mockup.part_of_face(*triangle)).collect();
-        parts.into_pyarray(py)
+        parts.into_read_only(py)
     }
 
     fn __reduce__(&self) -> PyResult<()> {
@@ -243,12 +243,12 @@ impl Impact {
 
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core.point.to_vec().into_pyarray(py)
+        self.core.point.to_vec().into_read_only(py)
     }
 
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core.normal.to_vec().into_pyarray(py)
+        self.core.normal.to_vec().into_read_only(py)
     }
 
     #[getter]

@@ -6,7 +6,7 @@ import itertools
 import time
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,7 @@ from feeler.progress import Progress
 from feeler.renamed import keywords
 from feeler.scene import Scene
 
-Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
+Exclude: TypeAlias = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
 _STAGES = ("finding colliding parts", "measuring clearances", "measuring depths")
 _LARGEST_M = 1e40

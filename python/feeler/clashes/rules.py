@@ -31,7 +31,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from feeler.arguments import (
     check_flag,
@@ -53,7 +53,7 @@ from feeler.io.toml import parsed_toml, toml_of
 VERSION = 1
 
 Words = tuple[str, ...]
-WordsLike = str | Sequence[str]
+WordsLike: TypeAlias = str | Sequence[str]
 EVERYTHING: Words = ("*",)
 
 
@@ -211,7 +211,7 @@ def tolerant(rules: Rules) -> Rules:
     )
 
 
-RulesLike = Rules | Mapping[str, object] | str | os.PathLike[str]
+RulesLike: TypeAlias = Rules | Mapping[str, object] | str | os.PathLike[str]
 """Rules, a dict of them, or the path of a file."""
 
 

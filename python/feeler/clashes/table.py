@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, TypeVar, cast, overload
+from typing import Any, TypeAlias, TypeVar, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -21,11 +21,11 @@ from feeler.errors import OptionError
 from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
+from feeler.rows import AnyArray, read_only
 
 Floats = npt.NDArray[np.float64]
-VerdictLike = Verdict | VerdictName
+VerdictLike: TypeAlias = Verdict | VerdictName
 AnyTable = TypeVar("AnyTable", bound="Table")
-AnyArray = TypeVar("AnyArray", bound=npt.NDArray[Any])
 Point = tuple[float, float, float]
 
 
@@ -253,6 +253,9 @@ class Table(OldAttributes, Sequence[Clash]):
         self._shapes = shapes
         self._scope = scope
         self._earlier: Table | None = None
+        self._computed: dict[str, npt.NDArray[Any]] = {}
+        self._of_marks: dict[str, tuple[int | None, tuple[str, ...]]] = {}
+        self._statuses: tuple[tuple[str, ...], npt.NDArray[np.str_]] | None = None
 
     _RENAMED = _PLURALS
 
@@ -273,12 +276,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def paths_a(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the first part, text."""
-        return _read_only(self._paths[self.columns.a])
+        return self._once("paths_a", lambda: self._paths[self.columns.a])
 
     @property
     def paths_b(self) -> npt.NDArray[np.object_]:
         """`(n,)`: the path of the second part."""
-        return _read_only(self._paths[self.columns.b])
+        return self._once("paths_b", lambda: self._paths[self.columns.b])
 
     @cached_property
     def _paths(self) -> npt.NDArray[np.object_]:
@@ -295,24 +298,38 @@ class Table(OldAttributes, Sequence[Clash]):
         return self.columns.is_open[:, 1]
 
     @property
-    def by(self) -> list[str]:
+    def by(self) -> tuple[str, ...]:
         """The person who set each status; else empty."""
-        return [self.marks.of(each).by for each in self.ids]
+        return self._marked("by")
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> tuple[str, ...]:
         """Each finding's note."""
-        return [self.marks.of(each).note for each in self.ids]
+        return self._marked("note")
 
     @property
-    def changed(self) -> list[str]:
+    def changed(self) -> tuple[str, ...]:
         """`"renamed"` or `"renumbered"` for findings that `diff` found under another key, else empty."""
-        return [self.marks.of(each).changed for each in self.ids]
+        return self._marked("changed")
+
+    def _once(self, name: str, make: Callable[[], AnyArray]) -> AnyArray:
+        """A column that is computed at its first use, read-only."""
+        if name not in self._computed:
+            self._computed[name] = read_only(make())
+        return cast(AnyArray, self._computed[name])
+
+    def _marked(self, name: str) -> tuple[str, ...]:
+        """A field of the mark of each finding: the same tuple until a mark changes."""
+        version, found = self._of_marks.get(name, (None, ()))
+        if version != self.marks.version:
+            found = tuple(getattr(self.marks.of(each), name) for each in self.ids)
+            self._of_marks[name] = (self.marks.version, found)
+        return found
 
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
         """`(n,)`: a `feeler.Verdict` each, as words."""
-        return _read_only(Verdict.words(self.columns.verdict))
+        return self._once("verdicts", lambda: Verdict.words(self.columns.verdict))
 
     @property
     def depths(self) -> Floats:
@@ -327,7 +344,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def depth_kinds(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
-        return _read_only(np.array(DEPTH_KINDS)[self.columns.depth_kind])
+        return self._once("depth_kinds", lambda: np.array(DEPTH_KINDS)[self.columns.depth_kind])
 
     @property
     def translations(self) -> Floats:
@@ -357,7 +374,7 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def signed_depths(self) -> Floats:
         """`(n,)`: the depth, or the negative gap, metres. `diff` compares this between checks."""
-        return _read_only(np.where(self.depths > 0.0, self.depths, -self.gaps))
+        return self._once("signed_depths", lambda: np.where(self.depths > 0.0, self.depths, -self.gaps))
 
     @property
     def are_thin(self) -> npt.NDArray[np.bool_]:
@@ -368,7 +385,7 @@ class Table(OldAttributes, Sequence[Clash]):
         } | contacts
         contact = np.array([*(known.get(name, known[DEFAULT_RULE]) for name in self.rule_names), np.nan])
         is_clash: npt.NDArray[np.bool_] = self.columns.verdict == Verdict.CLASH.code
-        return _read_only(is_clash & (self.depths <= contact[self.columns.rule]))
+        return read_only(is_clash & (self.depths <= contact[self.columns.rule]))
 
     def found(self) -> list[Found]:
         """What `diff` compares of each row."""
@@ -389,12 +406,12 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def rules(self) -> npt.NDArray[np.str_]:
         """`(n,)`: the name of the rule."""
-        return _read_only(np.array(self.rule_names or ("",))[self.columns.rule])
+        return self._once("rules", lambda: np.array(self.rule_names or ("",))[self.columns.rule])
 
     @property
     def severities(self) -> npt.NDArray[np.str_]:
         """`(n,)`: `"critical"`, `"major"` or `"minor"`."""
-        return _read_only(np.array(SEVERITIES)[self.columns.severity])
+        return self._once("severities", lambda: np.array(SEVERITIES)[self.columns.severity])
 
     @cached_property
     def ids(self) -> tuple[str, ...]:
@@ -405,7 +422,10 @@ class Table(OldAttributes, Sequence[Clash]):
     @property
     def statuses(self) -> npt.NDArray[np.str_]:
         """`(n,)`: each finding's status."""
-        return _read_only(np.array([self.marks.of(each).status for each in self.ids], dtype="U8"))
+        words = self._marked("status")
+        if self._statuses is None or self._statuses[0] is not words:
+            self._statuses = (words, read_only(np.array(words, dtype="U8")))
+        return self._statuses[1]
 
     @cached_property
     def keys(self) -> tuple[str, ...]:
@@ -622,12 +642,6 @@ def check_same(mockup: Mockup, clashes: Table) -> None:
             "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "
             "feeler.clash (clashes loaded from a file have no part numbers)"
         )
-
-
-def _read_only(column: AnyArray) -> AnyArray:
-    """Makes a computed column read-only: the table would not see what a caller writes into it."""
-    column.flags.writeable = False
-    return column
 
 
 def _point(row: Any) -> Point:

@@ -174,6 +174,9 @@ class Marks:
     the findings once they are found again.
     """
 
+    version = 0
+    """Another number after each change: columns of statuses are made anew only then."""
+
     def __init__(self, marks: Mapping[str, Mark] | None = None, aside: Mapping[str, Mark] | None = None) -> None:
         self._by_id = dict(marks or {})
         self.aside: Mapping[str, Mark] = dict(aside or {})
@@ -196,15 +199,17 @@ class Marks:
         by = check_text("by", by, "text: who set the status")
         note = check_text("note", note, "text: why")
         mark = Mark(check_word("status", status, SETTABLE), by, note, changed=self.of(clash).changed)
-        self._by_id[clash] = approved(mark, found if status == "approved" else None)
+        self.put(clash, approved(mark, found if status == "approved" else None))
 
     def put(self, clash: str, mark: Mark) -> None:
         """Replaces the mark of a finding."""
         self._by_id[clash] = mark
+        self.version += 1
 
     def replace(self, marks: Mapping[str, Mark]) -> None:
         """Replaces all marks."""
         self._by_id = dict(marks)
+        self.version += 1
 
 
 def followed(before: Mark | None, now: Found, growth: float) -> Mark:

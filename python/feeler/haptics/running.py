@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,9 @@ from feeler.haptics.devices import Device, Own
 from feeler.haptics.record import Recorder
 from feeler.poses import QUERY_DEVIATION, PoseLike, nearest_rigid, one_pose
 from feeler.rows import Columns
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Floats = npt.NDArray[np.float64]
 
@@ -266,6 +269,13 @@ class Runs(_core.HapticsSession):
         if end.error:
             raise SessionError(end.error)
         return self._ended
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Ends `with session:` as `stop()` does."""
+        self.stop()
 
     @property
     def troubles(self) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import UNREADABLE, unmasked
-from feeler.errors import MeshError
+from feeler.errors import MeshError, OptionError
 from feeler.io.raw import OUT_OF_RANGE, PathBook, clean_name
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Meshes
@@ -34,6 +34,7 @@ class Assembly:
         self._silent = False
         self._book = PathBook()
         self._vertices: list[Floats] = []
+        self._are_metres: list[bool] = []
         self._faces: list[npt.NDArray[Any]] = []
         self._parts: list[npt.NDArray[np.int64]] = []
         self._names: list[str] = []
@@ -49,14 +50,16 @@ class Assembly:
         *,
         matrix: npt.ArrayLike | None = None,
         unit: str | None = None,
+        in_metres: bool = False,
     ) -> None:
         """Adds a part.
 
         `path`: names from the top down; `matrix`: assembly_from_mesh, (4, 4), affine, in the object's unit; `unit`: the
-        object's own. If the matrix mirrors, triangles are reversed, so that the outside stays outside. Raises
-        `MeshError` for arrays that are not a mesh, with the path.
+        object's own; `in_metres`: it is in metres, whatever unit is given for others. If the matrix mirrors, triangles
+        are reversed, so that the outside stays outside. Raises `MeshError` for arrays that are not a mesh, with the
+        path.
         """
-        self.add_parts(path, vertices, faces, 0, [()], matrix=matrix, unit=unit)
+        self.add_parts(path, vertices, faces, 0, [()], matrix=matrix, unit=unit, in_metres=in_metres)
 
     def add_parts(
         self,
@@ -68,6 +71,7 @@ class Assembly:
         *,
         matrix: npt.ArrayLike | None = None,
         unit: str | None = None,
+        in_metres: bool = False,
     ) -> None:
         """Adds a mesh with parts; their paths are `path` followed by their own of `below`. Otherwise as `add`.
 
@@ -80,7 +84,7 @@ class Assembly:
             self.skip("meshes")
             return
         if unit is None:
-            self._silent = True
+            self._silent |= not in_metres
         else:
             self._stated.add(parse_unit(unit))
         # An index without a vertex must not refer to a vertex of the next mesh.
@@ -92,6 +96,7 @@ class Assembly:
                 corners, outside = corners[:, ::-1], outside[:, ::-1]
         self._faces.append(np.where(outside, OUT_OF_RANGE, corners + self._vertex_count))
         self._vertices.append(points)
+        self._are_metres.append(in_metres)
         self._parts.append(np.broadcast_to(np.asarray(part_of_face, dtype=np.int64), len(corners)) + len(self._names))
         self._vertex_count += len(points)
         for own in below:
@@ -131,7 +136,8 @@ class Assembly:
             raise MeshError(f"{self._format}: no triangle in it ({'; '.join(notes) or 'no mesh'}): give surfaces")
         unit, source = self._unit()
         with np.errstate(over="ignore", invalid="ignore"):  # the mock-up counts values beyond float64
-            vertices = np.concatenate(self._vertices) * unit.metres
+            scaled = zip(self._vertices, self._are_metres, strict=True)
+            vertices = np.concatenate([each if is_metres else each * unit.metres for each, is_metres in scaled])
         return Meshes(
             vertices,
             np.concatenate(self._faces),
@@ -150,6 +156,13 @@ class Assembly:
         )
 
     def _unit(self) -> tuple[Unit, str]:
+        if all(self._are_metres):
+            if self._given is not None:
+                raise OptionError(
+                    f"unit is {self._given.name!r}, and is for mesh objects: mock-ups, tools and pairs of arrays are "
+                    "in metres, so scale the vertices"
+                )
+            return parse_unit("m"), "mock-ups, tools and pairs of arrays are in metres"
         if self._given is not None:
             others = sorted(unit.name for unit in self._stated - {self._given})
             return self._given, "given by unit=" + (f", instead of the {', '.join(others)} stated" if others else "")

@@ -15,6 +15,7 @@ from feeler.choices import UnitName
 from feeler.errors import MeshError
 from feeler.interchange import open3d, pyvista, trimesh
 from feeler.interchange.assembly import Assembly
+from feeler.mesh_types import MeshSource
 from feeler.mockup import Meshes, Mockup, register_converter
 
 ACCEPTED = (
@@ -30,7 +31,7 @@ _LIBRARIES: dict[str, tuple[Callable[[Any], bool], Callable[[Assembly, Any, tupl
 }
 
 
-def from_trimesh(mesh: object, unit: UnitName | None = None) -> Mockup:
+def from_trimesh(mesh: MeshSource, unit: UnitName | None = None) -> Mockup:
     """A mock-up from a `trimesh.Trimesh` or `trimesh.Scene`, or a list or dict of such.
 
     Each geometry of a scene becomes a part at each of its places, with the names of the graph's nodes as path;
@@ -42,7 +43,7 @@ def from_trimesh(mesh: object, unit: UnitName | None = None) -> Mockup:
     return _mockup(mesh, unit, "trimesh")
 
 
-def from_pyvista(mesh: object, unit: UnitName | None = None) -> Mockup:
+def from_pyvista(mesh: MeshSource, unit: UnitName | None = None) -> Mockup:
     """A mock-up from a PyVista `PolyData`, or a `MultiBlock`, whose blocks become parts; or a list or dict of such.
 
     Polygons and strips are cut into triangles; volumes (`UnstructuredGrid`, ...) contribute their surface. `unit`: the
@@ -53,7 +54,7 @@ def from_pyvista(mesh: object, unit: UnitName | None = None) -> Mockup:
     return _mockup(mesh, unit, "pyvista")
 
 
-def from_open3d(mesh: object, unit: UnitName | None = None) -> Mockup:
+def from_open3d(mesh: MeshSource, unit: UnitName | None = None) -> Mockup:
     """A mock-up from an Open3D `TriangleMesh`, of either API, or a `TriangleMeshModel`; or a list or dict of such.
 
     `unit`: the unit of the numbers, by default the metre, because Open3D stores none. `feeler.Tool(mesh)` makes a tool.
@@ -93,7 +94,7 @@ def _add(assembly: Assembly, held: Any, path: tuple[str, ...], library: str | No
         _add_ours(assembly, held, path)
         return
     if path and library is None and _is_pair(held):
-        assembly.add(path, held[0], held[1], unit="m")
+        assembly.add(path, held[0], held[1], in_metres=True)
         return
     if isinstance(held, np.ndarray):
         raise MeshError(f"faces are missing: an array of shape {held.shape} has none; give them, or {ACCEPTED}")
@@ -103,7 +104,8 @@ def _add(assembly: Assembly, held: Any, path: tuple[str, ...], library: str | No
             return
     if isinstance(held, Mapping):
         for name, each in held.items():
-            _add(assembly, each, (*path, str(name)), library, depth + 1)
+            levels = [level for level in str(name).split("/") if level] or [str(name)]
+            _add(assembly, each, (*path, *levels), library, depth + 1)
         return
     if isinstance(held, Sequence) and not isinstance(held, (str, bytes)):
         if held and not _is_number_list(held):
@@ -128,10 +130,10 @@ def _add_ours(assembly: Assembly, mesh: _core.Mockup | _core.Tool, path: tuple[s
     faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)
     paths = getattr(mesh, "part_paths", None)
     if paths is None or (isinstance(mesh, _core.Tool) and mesh.part_count == 1):
-        assembly.add(path or (str(getattr(mesh, "name", "part")),), vertices, faces, unit="m")
+        assembly.add(path or (str(getattr(mesh, "name", "part")),), vertices, faces, in_metres=True)
         return
     below = [tuple(each.split("/")) for each in paths]
-    assembly.add_parts(path, vertices, faces, mesh.part_of_face, below, unit="m")
+    assembly.add_parts(path, vertices, faces, mesh.part_of_face, below, in_metres=True)
 
 
 def _is_pair(held: Any) -> bool:

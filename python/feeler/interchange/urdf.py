@@ -8,7 +8,7 @@ import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 from urllib.parse import unquote
 
 import numpy as np
@@ -26,8 +26,8 @@ from feeler.io.sniff import identify
 from feeler.mockup import Mockup
 from feeler.words import counted
 
-PathLike = str | os.PathLike[str]
-PackageDirs = Iterable[PathLike] | Mapping[str, PathLike]
+PathLike: TypeAlias = str | os.PathLike[str]
+PackageDirs: TypeAlias = Iterable[PathLike] | Mapping[str, PathLike]
 
 _WITHOUT_UNIT = ("STL", "OBJ", "PLY", "OFF")
 _SCHEMES = ("package://", "model://")

@@ -22,6 +22,7 @@ from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_plain, is_rou
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
 from feeler.progress import Progress
+from feeler.rows import read_only
 from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -134,12 +135,12 @@ class Fasteners(Sequence[Fastener]):
     @property
     def parts(self) -> npt.NDArray[np.int64]:
         """`(n,)`: indices into `mockup.parts`."""
-        return np.array([row.part for row in self._rows], dtype=np.int64)
+        return read_only(np.array([row.part for row in self._rows], dtype=np.int64))
 
     @property
     def frames(self) -> Floats:
         """`(n, 4, 4)`: world_from_fastener, metres; see `Fastener.frame`."""
-        return np.array([row.frame for row in self._rows]).reshape(-1, 4, 4)
+        return read_only(np.array([row.frame for row in self._rows]).reshape(-1, 4, 4))
 
     @property
     def axes(self) -> Floats:

@@ -14,6 +14,7 @@ from feeler.arguments import check_flag, check_kind, check_list
 from feeler.field_docs import documented
 from feeler.plan.blocked import Blocker
 from feeler.renamed import OldAttributes
+from feeler.rows import read_only
 
 Floats = npt.NDArray[np.float64]
 
@@ -85,7 +86,7 @@ class Reach(OldAttributes):
         if not len(self.way):
             return np.full(3, np.nan)
         along = self.way[0][:3, 3] - self.way[1][:3, 3]
-        return np.asarray(along / np.linalg.norm(along))
+        return read_only(np.asarray(along / np.linalg.norm(along)))
 
 
 class Access(OldAttributes, Sequence[Reach]):
@@ -115,17 +116,17 @@ class Access(OldAttributes, Sequence[Reach]):
     @property
     def is_reachable(self) -> npt.NDArray[np.bool_]:
         """`(n,)`."""
-        return np.array([row.is_reachable for row in self._rows], dtype=bool)
+        return read_only(np.array([row.is_reachable for row in self._rows], dtype=bool))
 
     @property
     def swings_deg(self) -> Floats:
         """`(n,)`, degrees."""
-        return np.array([row.swing_deg for row in self._rows], dtype=np.float64)
+        return read_only(np.array([row.swing_deg for row in self._rows], dtype=np.float64))
 
     @property
     def angles_deg(self) -> Floats:
         """`(n,)`, degrees; NaN without a swing."""
-        return np.array([row.angle_deg for row in self._rows], dtype=np.float64)
+        return read_only(np.array([row.angle_deg for row in self._rows], dtype=np.float64))
 
     @property
     def blockers(self) -> tuple[Blocker, ...]:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from feeler.parts import PartsLike
 from feeler.scene import Scene
 from feeler.tasks.planning import MOST_PEOPLE
 
-MaintainParts = str | os.PathLike[str] | Sequence[PartsLike | Mapping[str, Any]]
+MaintainParts: TypeAlias = str | os.PathLike[str] | Sequence[PartsLike | Mapping[str, Any]]
 """A CSV file, or a list of parts, each also as a dict of the columns."""
 COLUMNS = ("part", "keep", "people")
 
@@ -49,7 +49,7 @@ def wanted_of(scene: Scene, parts: MaintainParts) -> list[Wanted]:
     is_file = isinstance(parts, os.PathLike) or (isinstance(parts, str) and parts.lower().endswith(".csv"))
     error: type[LoadError] | type[OptionError]
     if is_file:
-        lines, error = _read(check_path("parts", parts, LoadError)), LoadError
+        lines, error = _read(check_path("parts", parts)), LoadError
     else:
         lines, error = _listed(parts), OptionError
     return [_wanted(scene, line, error) for line in lines]

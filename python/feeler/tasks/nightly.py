@@ -26,7 +26,7 @@ from feeler.arguments import (
     check_whole,
     shown,
 )
-from feeler.errors import FeelerError, LoadError, OptionError
+from feeler.errors import FeelerError, OptionError
 from feeler.plan.catalogue import catalogue
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.removal import LARGEST_SEED
@@ -159,7 +159,7 @@ def _table(times: Times | str | os.PathLike[str] | Mapping[str, Any] | None) -> 
     if times is None or isinstance(times, Mapping):
         return Times(times)
     if isinstance(times, (str, os.PathLike)):
-        return Times.load(check_path("times", times, LoadError))
+        return Times.load(check_path("times", times))
     raise OptionError(f"times is {shown(times)}: give feeler.Times, a TOML file, or a dict of elements")
 
 

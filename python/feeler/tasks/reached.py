@@ -7,7 +7,7 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -26,9 +26,11 @@ from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
 
-HeldTool = Tool | tuple[Tool, Mapping[str, Any]]
+HeldTool: TypeAlias = Tool | tuple[Tool, Mapping[str, Any]]
 """A tool, also with options of `access`."""
-TaskTools = Catalogue | str | os.PathLike[str] | HeldTool | Sequence[HeldTool] | Mapping[str, HeldTool] | None
+TaskTools: TypeAlias = (
+    Catalogue | str | os.PathLike[str] | HeldTool | Sequence[HeldTool] | Mapping[str, HeldTool] | None
+)
 """A catalogue, its TOML file, "built-in"; or tools: one, a list, a dict by name; None: all is reached."""
 """Instead of a file: the built-in catalogue."""
 ASSUMED_DEG = 60.0

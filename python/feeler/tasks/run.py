@@ -309,8 +309,8 @@ def unpacked(data: object, answers: bytes | None, where: object) -> Maintenance:
 
 
 def load_maintenance(path: str | os.PathLike[str]) -> Maintenance:
-    """Reads what `Maintenance.save` wrote. Raises `LoadError`."""
-    file = check_path("path", path, LoadError)
+    """Reads what `Maintenance.save` wrote. Raises `LoadError`, and `OptionError` for what is no path."""
+    file = check_path("path", path)
     try:
         text = text_of(file)
     except FileNotFoundError:

@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from feeler.arguments import check_number, check_path, check_text, shown
 from feeler.atomic import atomic_file
@@ -49,7 +49,7 @@ class Element(NamedTuple):
     """Its standard deviation, seconds."""
 
 
-TimeLike = float | Sequence[float] | Element
+TimeLike: TypeAlias = float | Sequence[float] | Element
 """Seconds, or mean and spread."""
 
 
@@ -122,7 +122,7 @@ class Times:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Times:
         """Reads a TOML file with the tables `elements`, `pitches_mm` and `typed`. Raises `LoadError`."""
-        file = check_path("path", path, LoadError)
+        file = check_path("path", path)
         return cls._of(toml_of(file, "write one with feeler.Times().save('times.toml')"), str(file))
 
     @classmethod
@@ -180,7 +180,7 @@ def strokes_for(turns: float, stroke_deg: float) -> int:
     return max(1, math.ceil(turns * 360.0 / min(stroke_deg, 360.0) - LEAST_STROKE))
 
 
-TimesLike = Times | str | os.PathLike[str] | Mapping[str, TimeLike] | None
+TimesLike: TypeAlias = Times | str | os.PathLike[str] | Mapping[str, TimeLike] | None
 """A table, its file, elements by name, or the examples."""
 
 

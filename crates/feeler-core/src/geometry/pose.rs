@@ -151,25 +151,28 @@ fn fault(m: &[[f64; 4]; 4], r: &[[f64; 3]; 3]) -> Error {
     }
     let too_far = |d: f64| d > POSE_TOLERANCE;
     let most = (0..4).map(|c| of_last_row(m, c)).chain(ROWS.map(|[i, j]| deviation(r, i, j))).fold(0.0, f64::max);
+    let off = |far: f64| format!("off by {:e}; allowed {POSE_TOLERANCE:e}", rounded(far));
     let mirrors = determinant(r) < 0.0;
     let fault = |why| Error::PoseNotRigid { why, deviation: if mirrors { most.max(2.0) } else { most } };
     if (0..4).any(|c| too_far(of_last_row(m, c))) {
         let is_transposed = (0..4).all(|row| !too_far((m[row][3] - if row == 3 { 1.0 } else { 0.0 }).abs()));
         let hint = if is_transposed { "; it looks transposed, with the translation in the last row" } else { "" };
-        return fault(format!("the last row is {:?}, not [0, 0, 0, 1]{hint}", m[3]));
+        return fault(format!("the last row is {:?}, not [0, 0, 0, 1]{hint} (allowed {POSE_TOLERANCE:e})", m[3]));
     }
     let lengths = [0, 1, 2].map(|i| dot(r, i, i).sqrt());
     if let Some(i) = (0..3).find(|i| too_far(deviation(r, *i, *i))) {
         let is_scale = lengths.iter().all(|length| (length - lengths[0]).abs() <= POSE_TOLERANCE * lengths[0]);
         let length = rounded(lengths[i]);
+        let square = format!("its square is {}", off(deviation(r, i, i)));
         return fault(match is_scale && lengths[0] > 0.0 {
-            true => format!("all rows of the rotation have length {length}, not 1: the pose scales"),
-            false => format!("row {i} of the rotation has length {length}, not 1"),
+            true => format!("all rows of the rotation have length {length}, not 1: the pose scales ({square})"),
+            false => format!("row {i} of the rotation has length {length}, not 1 ({square})"),
         });
     }
     if let Some([i, j]) = ROWS.into_iter().find(|[i, j]| i != j && too_far(deviation(r, *i, *j))) {
         let degrees = rounded((dot(r, i, j) / (lengths[i] * lengths[j])).acos().to_degrees());
-        return fault(format!("rows {j} and {i} of the rotation are {degrees} degrees apart, not 90"));
+        let product = format!("their product is {}", off(deviation(r, i, j)));
+        return fault(format!("rows {j} and {i} of the rotation are {degrees} degrees apart, not 90 ({product})"));
     }
     fault("it mirrors (determinant -1)".into())
 }

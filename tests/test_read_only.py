@@ -1,0 +1,86 @@
+"""Arrays that answers make anew at every access are read-only: what is written into them would be lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from shapes import box
+
+import feeler
+
+BLOCK = feeler.Mockup(np.concatenate([box((0, 0, 0), (1, 1, 1))[0], box((0.9, 0, 0), (2, 1, 1))[0]]),
+                      np.concatenate([box((0, 0, 0), (1, 1, 1))[1], np.asarray(box((0, 0, 0), (1, 1, 1))[1]) + 8]),
+                      np.repeat([0, 1], 12), ["a", "b"])  # fmt: skip
+TOOL = feeler.Tool(*box((0, 0, 0), (0.2, 0.2, 0.2)))
+
+
+def moved(z: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    pose = np.eye(4)
+    pose[2, 3] = z
+    return pose
+
+
+def answers() -> Iterator[object]:
+    """An answer of each query, the rows of those that have some, and the objects that are asked."""
+    scene = feeler.Scene(BLOCK)
+    near, far = moved(0.95), moved(3.0)
+    tracker = feeler.ContactTracker(scene, TOOL)
+    tracker.contacts(far)
+    yield from (BLOCK, TOOL, scene, scene.without("a"), tracker)
+    tables: list[Any] = [
+        scene.collide_batch(TOOL, [near, far]),
+        scene.distance_batch(TOOL, [near, far]),
+        scene.clearance(TOOL, moved(1.01), within=0.1),
+        scene.clearance_batch(TOOL, [moved(1.01)], within=0.1),
+        scene.check_path(TOOL, [far, near]),
+        scene.contacts(TOOL, near),
+        scene.rays([[0.5, 0.5, 9.0]], [[0, 0, -1.0]]),
+        scene.depth(TOOL, near),
+        feeler.clash(BLOCK),
+        feeler.find_fasteners(BLOCK),
+        feeler.access(scene, TOOL, far[None], angles=4),
+        feeler.sight(scene, "b", [[9.0, 9.0, 9.0]]),
+    ]
+    yield from tables
+    yield from (row for table in tables for row in table)
+    yield from (
+        scene.collide(TOOL, near),
+        scene.distance(TOOL, far),
+        scene.cast(TOOL, far, near),
+        scene.clearance_along(TOOL, far, moved(2.0)),
+        scene.penetration(TOOL, near),
+        scene.containment(TOOL, moved(0.5)),
+        scene.section([0.5, 0.5, 0.5], [0.0, 0.0, 1.0]),
+        feeler.removal(scene, "a"),
+        feeler.removal_order(scene, "a"),
+        BLOCK.pack(),
+    )
+    yield from BLOCK.pack().pieces
+
+
+def test_what_is_made_anew_cannot_be_written_into() -> None:
+    found, writable = 0, set()
+    for answer in answers():
+        for name in dir(answer):
+            if name.startswith("_"):
+                continue
+            first = getattr(answer, name)
+            if isinstance(first, np.ndarray) and first is not getattr(answer, name):
+                found += 1
+                if first.flags.writeable:
+                    writable.add(f"{type(answer).__name__}.{name}")
+    assert found > 60 and writable == set()
+
+
+def test_writing_into_a_scene_or_an_impact_raises() -> None:
+    scene = feeler.Scene(BLOCK)
+    with pytest.raises(ValueError, match="read-only"):
+        scene.part_mask[0] = False
+    hit = scene.cast(TOOL, moved(3.0), moved(0.95))
+    assert hit is not None
+    with pytest.raises(ValueError, match="read-only"):
+        hit.pose[0, 0] = 2.0
+    assert scene.part_mask.all() and hit.pose[0, 0] == 1.0
