@@ -260,9 +260,11 @@ BASE = {
     "errors",
     "field_docs",
     "memory",
+    "mesh_types",
     "mockup",
     "part_meshes",
     "poses",
+    "rows",
     "progress",
     "renamed",
     "scene",
@@ -282,6 +284,7 @@ ROOMS: dict[str, set[str]] = {
     "figures": {"field_docs"},
     # Tables of columns as sequences.
     "rows": {"field_docs"},
+    "mesh_types": {"poses"},
     # The texts of fields in docstrings.
     "field_docs": set(),
     "renamed": {"errors"},
@@ -305,7 +308,7 @@ ROOMS: dict[str, set[str]] = {
     "source": {"choices", "field_docs"},
     "mockup": {
         *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
-        *("field_docs", "words"),
+        *("field_docs", "mesh_types", "words"),
     },
     "part_meshes": {"mockup"},
     "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
@@ -337,7 +340,7 @@ ROOMS: dict[str, set[str]] = {
     "interchange": {*BASE, "io"},
     # Interfaces of other libraries.
     "compat": {*BASE, "_core"},
-    "haptics": {*BASE, "figures", "rows"},
+    "haptics": {*BASE, "figures"},
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.

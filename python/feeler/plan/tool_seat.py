@@ -76,9 +76,9 @@ def seated_tool(tool: object, hand: object = None, grip: object = None) -> Seate
 
 
 def _moved(tool: Tool, pose: Floats) -> Tool:
-    names = {"part_names": tool.part_names, "part_paths": tool.part_paths}
     corners = placed(tool.vertices, pose, "the grip")
-    return Tool(corners, tool.faces, tool.name, tool.part_of_face, **names)  # type: ignore[arg-type]
+    names, paths = tool.part_names, tool.part_paths
+    return Tool(corners, tool.faces, tool.name, tool.part_of_face, part_names=names, part_paths=paths)
 
 
 def _grip(grip: object) -> Floats:
