@@ -260,11 +260,13 @@ BASE = {
     "errors",
     "field_docs",
     "memory",
+    "mesh_types",
     "mockup",
     "part_meshes",
     "poses",
     "progress",
     "renamed",
+    "rows",
     "scene",
     "source",
     "travel",
@@ -296,6 +298,8 @@ ROOMS: dict[str, set[str]] = {
     "atomic": {"arguments", "errors"},
     "travel": {"_core", "errors"},
     "poses": {"arguments", "errors"},
+    # What mock-ups and tools are made of, as types.
+    "mesh_types": {"poses"},
     # Material, layer and the like, by part.
     "attributes": {"arguments", "errors"},
     "parts": {"arguments", "attributes", "errors", "field_docs"},
@@ -305,7 +309,7 @@ ROOMS: dict[str, set[str]] = {
     "source": {"field_docs"},
     "mockup": {
         *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
-        *("field_docs", "words"),
+        *("field_docs", "mesh_types", "words"),
     },
     "part_meshes": {"mockup"},
     "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
@@ -337,7 +341,7 @@ ROOMS: dict[str, set[str]] = {
     "interchange": {*BASE, "io"},
     # Interfaces of other libraries.
     "compat": {*BASE, "_core"},
-    "haptics": {*BASE, "figures", "rows"},
+    "haptics": {*BASE, "figures"},
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     # Its rules ask `plan` which parts are fasteners.

@@ -7,10 +7,7 @@ remedy.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from feeler.mechanism.joint import Joint
+from typing import Any
 
 
 class FeelerError(Exception):
@@ -44,7 +41,7 @@ class JointError(FeelerError, ValueError):
     candidates: the motions that are free, each as a `feeler.Joint`.
     """
 
-    def __init__(self, what: str, candidates: tuple[Joint, ...] = ()) -> None:
+    def __init__(self, what: str, candidates: tuple[Any, ...] = ()) -> None:
         self.candidates = candidates
         super().__init__(what)
 

@@ -629,7 +629,7 @@ def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:
     return (float(v[0]), float(v[1]), float(v[2]))
 
 
-def mesh_points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def mesh_points(vertices: object) -> npt.NDArray[np.float64]:
     """Vertices, `(n, 3) float64`. Raises `MeshError` for what is not that."""
     array = _array("vertices", vertices)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -640,7 +640,7 @@ def mesh_points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
         return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def mesh_indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
+def mesh_indices(faces: object, vertices: int) -> npt.NDArray[np.uint32]:
     """Faces, `(m, 3) uint32`, of so many vertices. Raises `MeshError` for what is not that."""
     array = _array("faces", faces)
     if array.size == 0 and array.ndim <= 2:
@@ -660,7 +660,7 @@ def mesh_indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
 
 
 def _named_parts(
-    part_of_face: npt.ArrayLike | None,
+    part_of_face: object,
     part_names: Sequence[str] | None,
     part_paths: Sequence[str] | None,
     triangles: int,
@@ -710,7 +710,7 @@ def _colours_of_parts(given: npt.ArrayLike, parts: int) -> npt.NDArray[np.float6
     return colours
 
 
-def _part_ids(part_of_face: npt.ArrayLike, triangles: int) -> npt.NDArray[np.uint32]:
+def _part_ids(part_of_face: object, triangles: int) -> npt.NDArray[np.uint32]:
     array = _array("part_of_face", part_of_face)
     if array.ndim != 1:
         raise MeshError(f"part_of_face has shape {array.shape}: (m,) is needed, one part index per triangle")
@@ -737,7 +737,7 @@ def _whole(what: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return array.astype(np.int64)
 
 
-def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
+def _array(what: str, values: object) -> npt.NDArray[Any]:
     unmasked(what, values, MeshError)
     try:
         return np.asarray(values)

@@ -76,9 +76,8 @@ def seated_tool(tool: object, hand: object = None, grip: object = None) -> Seate
 
 
 def _moved(tool: Tool, pose: Floats) -> Tool:
-    names = {"part_names": tool.part_names, "part_paths": tool.part_paths}
     corners = placed(tool.vertices, pose, "the grip")
-    return Tool(corners, tool.faces, tool.name, tool.part_of_face, **names)  # type: ignore[arg-type]
+    return Tool(corners, tool.faces, tool.name, tool.part_of_face, tool.part_names, part_paths=tool.part_paths)
 
 
 def _grip(grip: object) -> Floats:
