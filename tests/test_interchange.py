@@ -120,7 +120,7 @@ def test_lists_and_dicts_name_their_parts() -> None:
         "right/part_1/frame",
         "right/part_1/frame/arm",
         "right/part_1/frame/arm/hand",
-        "a_b",
+        "a/b",
     ]
     assert feeler.Tool([mesh, mesh]).triangle_count == 24
     assert feeler.from_trimesh((mesh, mesh)).part_paths == ("part_0", "part_1")

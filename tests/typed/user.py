@@ -147,12 +147,5 @@ for tool_triangle, mockup_triangle in hit:
     assert_type(tool_triangle + mockup_triangle, int)
 assert_type([each.distance for each in scene.rays([[0, 0, 9]], [[0, 0, -1]]) if each is not None], list[float])
 
-
-def turning(scene: feeler.Scene) -> list[str]:
-    try:
-        with feeler.haptics.Session(scene, tool) as held:
-            held.start(pose)
-    except feeler.JointError as error:
-        assert_type(error.candidates, tuple[feeler.Joint, ...])
-        return [each.name for each in error.candidates]
-    return []
+with feeler.haptics.Session(scene, tool) as held:
+    assert_type(held, feeler.haptics.Session)
