@@ -25,10 +25,11 @@ dt { opacity: .7; } dd { margin: 0; overflow-wrap: anywhere; }
 table { border-collapse: collapse; width: 100%; }
 th, td { padding: .35em .6em; text-align: left; vertical-align: top; }
 th { border-bottom: 2px solid var(--line); position: sticky; top: 0; background: Canvas; }
-td { border-bottom: 1px solid var(--soft); overflow-wrap: anywhere; }
+td { border-bottom: 1px solid var(--soft); overflow-wrap: break-word; }
+.path, .words { overflow-wrap: anywhere; min-width: 16em; } .words { min-width: 8em; }
 .number { text-align: right; white-space: nowrap; }
 .clash { color: #c22; } .contained, .duplicate { color: #a3c; } .contact { color: #291; } .clearance { color: #27c; }
-@media (max-width: 800px) { table { display: block; overflow-x: auto; } td { overflow-wrap: break-word; } }
+@media (max-width: 800px) { table { display: block; overflow-x: auto; } .path, .words { overflow-wrap: break-word; } }
 @media print { .filters, #more { display: none; } }
 """
 
@@ -66,11 +67,11 @@ function draw() {
     cell(line, row.verdict, row.verdict);
     cell(line, row.extent, "number");
     if (row.volume) cell(line, row.volume, "number");
-    cell(line, row.a);
-    cell(line, row.b);
+    cell(line, row.a, "path");
+    cell(line, row.b, "path");
     cell(line, row.place, "number");
-    cell(line, row.rule + (row.severity === "major" ? "" : ", " + row.severity));
-    cell(line, row.status + (row.by ? " by " + row.by : "") + (row.note ? ": " + row.note : ""));
+    cell(line, row.rule + (row.severity === "major" ? "" : ", " + row.severity), "words");
+    cell(line, row.status + (row.by ? " by " + row.by : "") + (row.note ? ": " + row.note : ""), "words");
   }
   const left = found.length - Math.min(found.length, shown);
   more.hidden = left === 0;
