@@ -232,8 +232,8 @@ else
 test-python: build
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
 endif
-FILES_first := tests/test_[a-d]*.py
-FILES_second := tests/test_[e-r]*.py
+FILES_first := tests/test_[a-f]*.py
+FILES_second := tests/test_[g-r]*.py
 FILES_third := tests/test_[s-z]*.py
 $(SHARES): test-python-%: build
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") -p no:cacheprovider $(FILES_$*)

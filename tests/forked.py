@@ -25,7 +25,7 @@ from feeler.io import body_of, write_stl
 from feeler.study.timing import mean_work
 
 GUARD_S = 60.0  # far longer than any child takes: a guard against waiting for ever, no measurement
-FORKS = 6
+FORKS = 4
 
 MOCKUP = feeler.sample("differential", 20_000)
 TOOL = feeler.sample_tool("wrench")
@@ -65,7 +65,7 @@ def loaded() -> list[bytes]:
 
 def studied() -> Any:
     """What studies are made of: scenes of many sizes, the work in them counted and predicted."""
-    scenes = [feeler.Scene(MOCKUP, size, "dense") for size in (0.004, 0.008)]
+    scenes = [feeler.Scene(MOCKUP, size, "dense") for size in (0.008, 0.016)]
     predictors = [_core.PiecePredictor(MOCKUP, TOOL), _core.Predictor(MOCKUP, TOOL, "dense", 0.0)]
     return [mean_work(scene, TOOL, POSES[:4]) for scene in scenes], [each.work(0.004) for each in predictors]
 
@@ -97,8 +97,8 @@ CASES: dict[str, Callable[[], Any]] = {
     "mockup": lambda: arrays(feeler.Mockup(MOCKUP.vertices, MOCKUP.faces), "bounds"),
     "tool": lambda: arrays(feeler.Tool(TOOL.vertices, TOOL.faces), "bounds"),
     "blocks": lambda: built("blocks"),
-    "dense": lambda: built("dense", voxel_size=0.004),
-    "hashed": lambda: built("hashed", hashing=0.5, voxel_size=0.004),
+    "dense": lambda: built("dense", voxel_size=0.008),
+    "hashed": lambda: built("hashed", hashing=0.5, voxel_size=0.008),
     "own pool": lambda: built("blocks", threads=2),
     "calibrated": lambda: built("dense", tool=TOOL),
     "sample": lambda: arrays(feeler.sample("turbine", 10_000), "vertices", "faces"),
@@ -157,14 +157,18 @@ def fresh() -> tuple[feeler.Scene, feeler.Tool]:
     return feeler.Scene(mockup), feeler.Tool(TOOL.vertices, TOOL.faces)
 
 
-def in_child(ask: Callable[[], Any], expected: Any) -> bool:
-    """Whether a forked child gets the answer that is expected, and ends."""
+def in_child(ask: Callable[[], Any], expected: Any, threads: Busy | None = None) -> bool:
+    """Whether a forked child gets the answer that is expected, and ends. threads: busy while it is forked."""
+    if threads:
+        threads.go_on()
     pid = os.fork()
     if pid == 0:
         try:
             os._exit(0 if ask() == expected else 2)
         finally:
             os._exit(3)
+    if threads:
+        threads.rest()
     until = time.monotonic() + GUARD_S
     while time.monotonic() < until:
         ended, status = os.waitpid(pid, os.WNOHANG)
@@ -179,42 +183,59 @@ def in_child(ask: Callable[[], Any], expected: Any) -> bool:
     return False
 
 
-def keep_busy(stop: threading.Event) -> list[threading.Thread]:
-    """Threads that use all pools, and all that one thread may wait for another for."""
+class Busy:
+    """Threads that use all pools, and all that one thread may wait for another for. They rest while a child answers."""
 
-    def batches() -> None:
-        while not stop.is_set():
-            SCENE.collide_batch(TOOL, POSES)
-            OWN_POOL.distance_batch(TOOL, POSES)
+    def __init__(self) -> None:
+        self._work, self._rounds, self._ended = threading.Event(), [0] * 4, False
+        works = (self._batches, self._topology, self._single, self._single)
+        self._threads = [threading.Thread(target=self._again, args=each, daemon=True) for each in enumerate(works)]
+        for thread in self._threads:
+            thread.start()
 
-    def topology() -> None:
-        while not stop.is_set():
-            scene, tool = fresh()
-            scene.contacts(tool, HIT)
-            scene.penetration(tool, POSES[0])
+    def _again(self, number: int, work: Callable[[], None]) -> None:
+        while self._work.wait() and not self._ended:
+            self._rounds[number] += 1
+            work()
 
-    def single() -> None:
-        while not stop.is_set():
-            for pose in POSES[::4]:
-                SCENE.collide(TOOL, pose)
-                SCENE.distance(TOOL, pose)
-                SCENE.contacts(TOOL, pose)
+    def _batches(self) -> None:
+        SCENE.collide_batch(TOOL, POSES)
+        OWN_POOL.distance_batch(TOOL, POSES)
 
-    threads = [threading.Thread(target=work, daemon=True) for work in (batches, topology, single, single)]
-    for thread in threads:
-        thread.start()
-    return threads
+    def _topology(self) -> None:
+        scene, tool = fresh()
+        scene.contacts(tool, HIT)
+        scene.penetration(tool, POSES[0])
+
+    def _single(self) -> None:
+        for pose in POSES[::4]:
+            SCENE.collide(TOOL, pose)
+            SCENE.distance(TOOL, pose)
+            SCENE.contacts(TOOL, pose)
+
+    def go_on(self) -> None:
+        """Waits until each has begun anew, and so is in the middle of something."""
+        before = [*self._rounds]
+        self._work.set()
+        while any(now == then for now, then in zip(self._rounds, before, strict=True)):
+            time.sleep(0.001)
+
+    def rest(self) -> None:
+        self._work.clear()
+
+    def end(self) -> None:
+        self._ended = True
+        self._work.set()
+        for thread in self._threads:
+            thread.join()
 
 
 def busy(case: str) -> bool:
     ask = CASES[case]
     expected = ask()
-    stop = threading.Event()
-    threads = keep_busy(stop)
-    good = all(in_child(ask, expected) for _ in range(FORKS))
-    stop.set()
-    for thread in threads:
-        thread.join()
+    threads = Busy()
+    good = all(in_child(ask, expected, threads) for _ in range(FORKS))
+    threads.end()
     return good and ask() == expected
 
 

@@ -382,12 +382,13 @@ def test_threads_that_nobody_waits_for_end_with_the_program() -> None:
     """NumPy's `unique` is C++: a thread that the end of the interpreter stops in it takes the process along."""
     code = (
         "import atexit, numpy as np, threading\n"
+        "from feeler.cli import main\n"
         "numbers = np.arange(1000) % 100\n"
         "def busy():\n    while True:\n        np.unique(numbers)\n"
         "for _ in range(4):\n    threading.Thread(target=busy, daemon=True).start()\n"
         "threading.Thread(target=lambda: print('waited for')).start()\n"
         "atexit.register(print, 'called at the end')\n"
-        "from feeler.cli import main; main()"
+        "main()"
     )
     for words, status in ((["--version"], 0), (["info", "missing.stl"], 2)):
         ended = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)

@@ -9,7 +9,7 @@ import pytest
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 
-# 64 closed balls in a grid, each a part, and the same as a tool. `off`: all cross. `away`: beside each other.
+# 64 closed balls in a grid, each a part. As a tool: all of them, or 16. `off`: all cross. `away`: beside each other.
 SETUP = """
 import os, signal, sys, threading, time
 import numpy as np, feeler
@@ -28,6 +28,7 @@ faces = (np.arange(len(balls))[:, None, None] * ball[..., 0].size + quads).resha
 parts = np.repeat(np.arange(len(balls)), len(quads))
 mockup = feeler.Mockup(vertices, faces, parts)
 scene, tool = feeler.Scene(mockup), feeler.Tool(vertices, faces)
+few = feeler.Tool(vertices[: len(vertices) // 4], faces[: len(faces) // 4])
 off, away, turned = np.eye(4), np.eye(4), np.eye(4)
 off[:3, 3] = 0.003, 0.002, 0.001
 away[0, 3] = 0.39
@@ -48,9 +49,9 @@ LONG = {
     "contacts": "scene.contacts(tool, away, within=0.4)",
     "tracked contacts": "feeler.ContactTracker(scene, tool).contacts(away, within=0.4)",
     "penetration": "scene.penetration(tool, off)",
-    "depth": "scene.depth(tool, off)",
-    "colliding pairs": "scene.collide(tool, np.eye(4))",
-    "the nearest parts": "scene.nearest(tool, off, 30)",
+    "depth": "scene.depth(few, off)",
+    "colliding pairs": "scene.collide(few, np.eye(4))",
+    "the nearest parts": "scene.nearest(few, off, 30)",
     "a tool": "feeler.Tool(vertices, faces)",
     "topology": "scene.is_free(tool, away)",
 }

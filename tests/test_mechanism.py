@@ -336,7 +336,7 @@ def test_a_four_bar_follows_and_ends_at_its_dead_point() -> None:
 def test_a_parallelogram_does_not_pass_where_its_bars_lie_in_line() -> None:
     """There it could go on as a parallelogram or crossed: nothing says which."""
     rng = np.random.default_rng(5)
-    for _ in range(3):
+    for name in ("", "clash", "clearance"):
         zero, far = rng.uniform(0.2, 2.9), rng.uniform(1.2, 4.0)
         tips = (math.cos(zero), math.sin(zero), 0.0), (far + math.cos(zero), math.sin(zero), 0.0)
         mock = dots((0.5, 0.0, 0.0), (1.0, 1.0, 0.0), (far, 0.5, 0.0), (50.0, 0.0, 0.0))
@@ -351,9 +351,9 @@ def test_a_parallelogram_does_not_pass_where_its_bars_lie_in_line() -> None:
         for beyond in (-zero - rng.uniform(0.01, 1.5), math.pi - zero + rng.uniform(0.01, 1.5)):
             with pytest.raises(MechanismError, match="dead point"):
                 moved.position({"a": beyond})
-        for ask in (moved.clash, moved.clearance):
+        if name:
             with pytest.raises(MechanismError, match=r"does not get from.*dead point"):
-                ask({"a": (0.0, math.pi - zero + 0.01)})
+                getattr(moved, name)({"a": (0.0, math.pi - zero + 0.01)})
     # What follows may stand still where it turns back: a slider at the end of its stroke.
     assert slider_crank().position({"crank": 4.0})["slider"] == pytest.approx(
         0.1 * math.cos(4.0) + math.sqrt(0.09 - (0.1 * math.sin(4.0)) ** 2) - 0.4, abs=1e-9

@@ -378,7 +378,7 @@ def gearbox() -> feeler.Scene:
 ORDERS = {
     "bracket/left_mount/retainer": 2,
     "housing/split_bolts/bolt_8": 2,
-    "gear_train/starter_shaft/front_bearing/ball_5": 0,
+    "lines/oil_pipe/post": 0,
 }
 
 
@@ -439,7 +439,7 @@ def dies_once(note: Path, scene: feeler.Scene, shared: Any, task: Any) -> Any:
 def test_an_order_survives_the_death_of_a_worker(
     where: str, gearbox: feeler.Scene, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    part = "gearbox/gear_train/starter_shaft/front_bearing/ball_5"
+    part = "gearbox/lines/oil_pipe/post"
     options: dict[str, Any] = {"keep": "gearbox/housing", "seconds": 600.0, "rounds": 1}
     alone = feeler.removal_order(gearbox, part, **options)
     spread_all, dying = crew.spread, functools.partial(dies_once, tmp_path / "died")

@@ -30,8 +30,8 @@ def run(*words: str) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("voxel-size", ["--mockups", "engine", "--tools", "wrench,torque"]),
-        ("hashing", ["--mockups", "engine", "--tools", "wrench"]),
+        ("voxel-size", ["--mockups", "differential", "--tools", "wrench,torque"]),
+        ("hashing", ["--mockups", "differential", "--tools", "wrench"]),
         ("scaling", ["--tools", "wrench"]),
         ("filters", ["--mockups", "engine", "--tools", "wrench"]),
         ("piece-size", ["--mockups", "engine", "--tools", "wrench"]),
