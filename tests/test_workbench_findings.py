@@ -8,6 +8,7 @@ import json
 import re
 import threading
 import zipfile
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -385,6 +386,15 @@ def test_a_finding_is_seen_from_where_nothing_is_in_the_way() -> None:
     side = bench.session.ask("finding_side", {"version": table.key, "row": rows[PLATE_LEFT]})
     assert side is not None and side["direction"][2] > 0.0, "from above: the plate would hide it from below"
     assert np.linalg.norm(side["direction"]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("up", "axis"), [("x", 0), ("y", 1), ("z", 2)])
+def test_a_finding_is_seen_from_above_where_nothing_else_decides(up: feeler.types.UpAxis, axis: int) -> None:
+    mockup = sunk()
+    mockup.source = replace(mockup.source, up=up)
+    bench = Bench(cube(), mockup=mockup)
+    side = bench.session.ask("pair_side", {"parts": [LEFT, LEFT], "point": [-0.3, 0.0, 9.0]})
+    assert side is not None and side["direction"][axis] == pytest.approx(0.42, abs=0.01)
 
 
 def test_equal_findings_have_equal_tables_however_they_came() -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
+from feeler.clashes.sides import directions
+from feeler.picture.camera import upright_frame
 from feeler.scene import Scene
 from feeler.workbench.document import motion
 from feeler.workbench.document.finding_table import FindingTable
@@ -16,7 +17,6 @@ from feeler.workbench.engine.parts import PartTools
 
 USUAL = np.array([0.62, -0.66, 0.42])
 """From the right, the front and above: preferred where nothing else decides."""
-_SIDES = 96
 _INSIDE = 0.6  # of the smaller part's box that lies in the larger one's, for that to cover it
 _LARGER = 1.25  # times the diagonal
 _NEAR = 0.02  # of the reach: what is nearer to the point than this hides nothing
@@ -50,7 +50,9 @@ def side_of_pair(
     cover = _cover(parts, boxes)
     low, high = np.min([box[0] for box in boxes.values()], axis=0), np.max([box[1] for box in boxes.values()], axis=0)
     reach = max(2.0 * float(np.linalg.norm(high - low)), 1e-6)
-    sides = _directions()
+    up = scene.mockup.source.vertical
+    usual = USUAL / np.linalg.norm(USUAL) @ np.stack(upright_frame(up))
+    sides = directions(usual, up)
     hidden = np.zeros(len(sides))
     for each in _scenes([part for part in here if part != cover], scene, meshes, moved):
         rays = each.rays(point + reach * sides, -sides)
@@ -59,7 +61,6 @@ def side_of_pair(
     in_way = np.maximum(0.0, hidden - _NEAR * reach - 2.0 * depth) / reach
     size = float(np.linalg.norm(way))
     across = 1.0 - np.abs(sides @ (way / size)) if size > 0.0 else np.zeros(len(sides))
-    usual = USUAL / np.linalg.norm(USUAL)
     best = sides[int(np.argmax(-4.0 * in_way - 2.0 * (in_way > 0.0) + 0.5 * across + 0.4 * (sides @ usual)))]
     return {"direction": (float(best[0]), float(best[1]), float(best[2])), "cover": cover}
 
@@ -100,15 +101,3 @@ def _point(table: FindingTable, row: int, boxes: list[Floats]) -> Floats:
         return np.asarray(known.mean(axis=0))
     low, high = np.max([box[0] for box in boxes], axis=0), np.min([box[1] for box in boxes], axis=0)
     return np.asarray((low + high) / 2)
-
-
-def _directions() -> npt.NDArray[np.float64]:
-    """Unit vectors all around, evenly: a Fibonacci sphere, and the usual one."""
-    number = np.arange(_SIDES) + 0.5
-    z = 1.0 - 2.0 * number / _SIDES
-    angle = np.pi * (1.0 + np.sqrt(5.0)) * number
-    ring = np.sqrt(1.0 - z * z)
-    sphere = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
-    # Straight from above or below the picture has no upright.
-    sphere = sphere[np.abs(sphere[:, 2]) < 0.94]
-    return np.concatenate([sphere, [USUAL / np.linalg.norm(USUAL)]])
