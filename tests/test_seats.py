@@ -284,6 +284,56 @@ def test_a_flush_head_goes_no_deeper_in_any_frame(sides: int, under: list[tuple[
     assert found.is_found and (found.poses[-1][:3, 3] - found.poses[0][:3, 3]) @ turn[:, 2] > 0.0
 
 
+@pytest.mark.parametrize(
+    ("hole", "end"), [(0.002, 0.005), (0.0034, 0.005), (0.0039, 0.005), (0.0, 0.005), (0.0, 0.0), (0.0, -0.002)]
+)
+def test_a_head_that_bears_on_a_plate_goes_no_deeper_whatever_its_hole(hole: float, end: float) -> None:
+    # The shank has a radius of 4 mm, sunk or a fit, and ends beyond the far face, flush with it, or inside.
+    below = -0.012 - end
+    profile = [(0.0, below), (0.004, below), (0.004, 0.0), (0.0068, 0.0), (0.0068, 0.005), (0.0, 0.005)]
+    vertices, faces = turned_profile(profile, 24)
+    under = vertices[:, 2] == 0.0
+    plate, plate_faces = bore(hole, 0.03, 0.012, 24, 0.0) if hole else box((-0.04, -0.04, 0.0), (0.04, 0.04, 0.012))
+    plate = plate - [0.0, 0.0, 0.012]
+    for frame in frames()[::2]:
+        turn, place = frame[:3, :3], frame[:3, 3]
+        bolt = vertices @ turn.T + place, faces
+        scene, session = beside(bolt, (plate @ turn.T + place, plate_faces))
+        for way in ((0.0, 0.0, -1.0), (0.6, 0.0, -0.8)):
+            small, large = ([shifted(k * step * (turn @ way)) for k in range(21)] for step in (3e-6, 5e-4))
+            pressed = gone(held(scene, bolt), bolt[0], [large[0], large[-1]], 5e-4)
+            for last in (dragged(scene, 0, small), dragged(scene, 0, large), pressed):
+                moved = (bolt[0] @ last[:3, :3].T + last[:3, 3] - bolt[0]) @ turn
+                assert moved[under, 2].min() > -1.1e-6, (frame, way)
+        out = [np.eye(4), shifted(0.04 * turn[:, 2])]
+        for last in (dragged(scene, 0, out), gone(session, bolt[0], out, 0.002)):
+            np.testing.assert_allclose(last, out[-1], atol=5e-4)
+    # The planner goes out too, though in is tried first.
+    found = feeler.removal(scene, 0, directions=[-turn[:, 2]], seconds=20.0)
+    assert found.is_found and (found.poses[-1][:3, 3] - found.poses[0][:3, 3]) @ turn[:, 2] > 0.0
+
+
+@pytest.mark.parametrize("above", [0.0, 0.012])
+def test_a_sheet_of_the_same_part_is_no_solid_above_a_sunk_pin(above: float) -> None:
+    # The sheet lies on the plate around the pin, or is a roof over the pin, which stops it.
+    plate = box((-0.04, -0.04, -0.01), (0.04, 0.04, 0.0))
+    low = 0.0041 if above == 0.0 else -0.04
+    sheet = np.array([[low, -0.04, above], [0.04, -0.04, above], [0.04, 0.04, above], [low, 0.04, above]])
+    pin = turned_profile([(0.0, -0.006), (0.004, -0.006), (0.004, 0.004), (0.0, 0.004)], 24, 0.1)
+    for winding in ([[0, 1, 2], [0, 2, 3]], [[0, 2, 1], [0, 3, 2]]):
+        other = np.concatenate([plate[0], sheet]), np.concatenate([plate[1], np.array(winding) + 8])
+        scene, session = beside(pin, other)
+        assert [seat.kind for seat in session.start(np.eye(4)).seats] == ["sunk"]
+        out = [shifted(np.array([0.0, 0.0, 1e-3 * k])) for k in range(41)]
+        free = 0.04 if above == 0.0 else above - 0.004
+        for last in (dragged(scene, 0, out), gone(session, pin[0], [out[0], out[-1]], 1e-3)):
+            assert last[2, 3] == pytest.approx(free, abs=1e-4)
+        aside = [np.eye(4), shifted(np.array([0.01, 0.0, 0.0]))]
+        for last in (dragged(scene, 0, aside), gone(held(scene, pin), pin[0], aside, 1e-3)):
+            assert np.linalg.norm(last[:3, 3]) < 5e-4
+        assert feeler.removal(scene, 0, directions=[[0.0, 0.0, 1.0]], seconds=20.0).is_found
+
+
 def socket_screw(sides: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
     """A countersunk screw, its head up to z = 0, with a socket 1.8 mm deep."""
     profile = [(0.0, -0.02), (0.003, -0.02), (0.003, -0.003), (0.006, 0.0), (0.0, 0.0)]

@@ -21,7 +21,7 @@ impl OwnDevice {
         OwnDevice { object, info, last: None }
     }
 
-    /// Calls Python. What it raises ends the run; an interpreter that ends answers nothing.
+    /// Calls Python. What it raises ends the run, as does a pose of another shape; an interpreter that ends answers nothing.
     fn call<T>(&self, work: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>) -> Result<T, DeviceError> {
         let device = || self.info.name.clone();
         match Python::try_attach(|py| work(self.object.bind(py)).map_err(|error| error.to_string())) {
@@ -38,8 +38,19 @@ impl Device for OwnDevice {
     }
 
     fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
-        let told: Option<(PoseArgument, u32)> = self.call(|object| object.call_method0("_read")?.extract())?;
-        if let Some((PoseArgument(pose), buttons)) = told {
+        let told = self.call(|object| {
+            let told: Option<(Bound<'_, PyAny>, u32)> = object.call_method0("_read")?.extract()?;
+            let Some((place, buttons)) = told else { return Ok(None) };
+            let is_pose = || place.getattr("shape")?.extract::<(usize, usize)>();
+            match place.extract() {
+                Ok(PoseArgument(pose)) => Ok(Some(Ok((pose, buttons)))),
+                Err(error) if is_pose().is_ok_and(|shape| shape == (4, 4)) => Ok(Some(Err(error.to_string()))),
+                Err(error) => Err(error),
+            }
+        })?;
+        if let Some(told) = told {
+            let nonsense = |what| DeviceError::Nonsense { device: self.info.name.clone(), what };
+            let (pose, buttons) = told.map_err(nonsense)?;
             self.last = Some((pose, buttons, now));
         }
         match self.last {

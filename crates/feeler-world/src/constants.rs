@@ -149,6 +149,9 @@ pub const MOST_SAMPLE_RAYS: usize = 1024;
 /// Most points of a sunk part's surfaces that are flush with its neighbour's, which hold these from going in. More: it takes longer.
 pub const MOST_FLUSH_POINTS: usize = 12;
 
+/// The same where they are face to face: the edges of a tilted head go deeper between its points. More: it takes longer.
+pub const MOST_BEARING_POINTS: usize = 24;
+
 /// Most such points that are tried. More: smaller surfaces are seen, and a start takes longer.
 pub const MOST_FLUSH_TRIED: usize = 4096;
 

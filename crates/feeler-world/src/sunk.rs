@@ -8,9 +8,9 @@ use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
-    CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED, MOST_PLACE_CORNERS,
-    MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEP_THICKNESS,
-    THROUGH_COS, THROUGH_TRIALS, TOUCH,
+    CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_BEARING_POINTS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED,
+    MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_CAST, SEAT_TOLERANCE,
+    SLIVER_DEPTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS, TOUCH,
 };
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
@@ -48,9 +48,9 @@ impl Surroundings {
             let seated = self.seated_at_start();
             let sunk = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
             self.filled = self.find_filled(sunk)?;
-            let scenes = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
-            let flush: Vec<Vec<Flush>> = scenes
-                .map(|sunk| sunk.map_or_else(|| Ok(Vec::new()), |sunk| self.find_flush(sunk)))
+            let sunk = (0..).zip(seated.bodies.iter().map(|asked| asked.sunk.as_ref()));
+            let flush: Vec<Vec<Flush>> = sunk
+                .map(|(body, sunk)| sunk.map_or_else(|| Ok(Vec::new()), |sunk| self.find_flush(body, sunk.scene())))
                 .collect::<Result<_>>()?;
             self.through = self.ways_through(&flush)?;
             self.flush = flush.iter().enumerate().map(|(body, flush)| self.keep_flush(body, flush)).collect();
@@ -200,7 +200,8 @@ impl Surroundings {
                     continue;
                 }
                 tried.push(way);
-                if self.leads_inside(number, sunk.scene(), &way)? {
+                let is_borne = flush[number].iter().any(|flush| flush.bears && dot(&way, &flush.normal) < -LEADING_COS);
+                if is_borne || self.leads_inside(number, sunk.scene(), &way)? {
                     continue;
                 }
                 let is_in_place = |by: &f64| -> Result<bool> {
@@ -248,12 +249,14 @@ impl Surroundings {
         self.filled.get(body).is_some_and(|filled| filled.contains(tool_triangle))
     }
 
-    /// Points of a body's sunk parts that are flush with it at the start, spread over their surfaces.
-    fn find_flush(&self, sunk: &Scene) -> Result<Vec<Flush>> {
+    /// Points of a body's sunk parts that are flush with it at the start, spread over their surfaces. What fills a pocket bears nothing.
+    fn find_flush(&self, body: usize, sunk: &Scene) -> Result<Vec<Flush>> {
         let near = sunk.near_pairs(&self.tool, &self.start, TOUCH)?;
         let pairs = near.iter().map(|gap| [gap.tool_triangle, gap.mockup_triangle]);
-        let all: Vec<Flush> =
-            pairs.flat_map(|pair| flush_points(&self.tool, &self.start, sunk.mockup(), pair)).collect();
+        let all: Vec<Flush> = pairs
+            .flat_map(|pair| flush_points(&self.tool, &self.start, sunk.mockup(), pair))
+            .filter(|flush| !(flush.bears && self.is_filled(body, flush.triangles[0])))
+            .collect();
         let mut found = Vec::new();
         for flush in all.iter().step_by(all.len().div_ceil(MOST_FLUSH_TRIED).max(1)) {
             let beneath = along(&self.start.apply(&flush.point), -SEAT_TOLERANCE, &flush.normal);
@@ -261,7 +264,9 @@ impl Surroundings {
                 found.push(*flush);
             }
         }
-        Ok(spread(&found, |flush| &flush.point, MOST_FLUSH_POINTS))
+        let (bearing, beside): (Vec<Flush>, Vec<Flush>) = found.into_iter().partition(|flush| flush.bears);
+        let spread = |all: &[Flush], most| spread(all, |flush| &flush.point, most);
+        Ok([spread(&beside, MOST_FLUSH_POINTS), spread(&bearing, MOST_BEARING_POINTS)].concat())
     }
 
     /// Those of a body that a way through a neighbour does not take in.
@@ -329,13 +334,34 @@ fn spread<T: Copy>(all: &[T], point: impl Fn(&T) -> &Point, most: usize) -> Vec<
     chosen
 }
 
-/// The triangle of the solid that a point is inside of, where a ray from it leaves that.
+/// The triangle of the solid that a point is inside of, where a ray from it leaves that. Sheets beside a solid of the same part bound nothing.
 fn around_point(scene: &Scene, at: &Point, towards: &Point) -> Result<Option<u32>> {
-    let Some(hit) = scene.ray(&Ray { origin: *at, direction: *towards }, f64::INFINITY, &[])? else { return Ok(None) };
-    let [a, b, c] = scene.mockup().mesh().triangle(hit.triangle);
-    let outward = cross(&sub(&b, &a), &sub(&c, &a));
-    let sign = if scene.mockup().adjacency().outward[hit.triangle as usize] < 0 { -1.0 } else { 1.0 };
-    Ok((sign * dot(&outward, towards) > 0.0).then_some(hit.triangle))
+    let (mockup, adjacency) = (scene.mockup(), scene.mockup().adjacency());
+    let hit = |origin: Point, direction: &Point| scene.ray(&Ray { origin, direction: *direction }, f64::INFINITY, &[]);
+    let is_sheet = |t: u32| {
+        let part = mockup.part_of_face(t);
+        adjacency.outward[t as usize] == 0 && adjacency.is_open(part) && !adjacency.shells_of(part).is_empty()
+    };
+    let leaves = |t: u32, direction: &Point| {
+        let [a, b, c] = mockup.mesh().triangle(t);
+        let sign = if adjacency.outward[t as usize] < 0 { -1.0 } else { 1.0 };
+        sign * dot(&cross(&sub(&b, &a), &sub(&c, &a)), direction) > 0.0
+    };
+    // The other way first: a sheet on the surface of the solid hides it.
+    for direction in [*towards, scaled(towards, -1.0)] {
+        match hit(*at, &direction)? {
+            Some(sheet) if is_sheet(sheet.triangle) => {}
+            found => return Ok(found.map(|found| found.triangle).filter(|t| leaves(*t, &direction))),
+        }
+    }
+    let mut origin = *at;
+    while let Some(found) = hit(origin, towards)? {
+        if !is_sheet(found.triangle) {
+            return Ok(Some(found.triangle).filter(|t| leaves(*t, towards)));
+        }
+        origin = along(&found.point, SEAT_CAST / length(towards), towards);
+    }
+    Ok(None)
 }
 
 /// Of the first parts of a tool, the least mean thickness, metres: twice the volume by the area. 0 of open sheets.

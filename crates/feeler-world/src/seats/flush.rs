@@ -1,4 +1,5 @@
-//! Surfaces of sunk parts that are flush with their neighbour's, such as the head of a countersunk bolt in a plate.
+//! Surfaces of sunk parts that are flush with their neighbour's: beside each other, such as the head of a countersunk bolt in a plate, or
+//! face to face, such as the head of a bolt that bears on a plate whose hole is too small.
 //!
 //! Flush surfaces do not cross, or only by rounding, so no contact plane shows when they go in. Each gets points of its own: they go no
 //! deeper than they were where the neighbour is solid beneath them.
@@ -16,6 +17,8 @@ pub struct Flush {
     pub point: Point,
     /// Of the neighbour's surface, outwards, unit, world.
     pub normal: Point,
+    /// Whether the two surfaces are face to face.
+    pub bears: bool,
     /// Of the tool and of the neighbour.
     pub triangles: [u32; 2],
 }
@@ -31,26 +34,27 @@ pub struct FlushAt {
     pub flush: Flush,
 }
 
-/// The neighbour's normal, of triangles that look the same way.
-fn common_normal(own: (&Triangle, i8), other: (&Triangle, i8)) -> Option<Point> {
+/// The neighbour's normal, of parallel triangles, and whether they are face to face.
+fn common_normal(own: (&Triangle, i8), other: (&Triangle, i8)) -> Option<(Point, bool)> {
     let [own, other] = [own, other].map(|(triangle, sign)| {
         let normal = normal(triangle)?;
         Some(if sign < 0 { scaled(&normal, -1.0) } else { normal })
     });
     let other = other?;
-    (dot(&own?, &other) >= FACE_ANGLE_COS).then_some(other)
+    let cosine = dot(&own?, &other);
+    (cosine.abs() >= FACE_ANGLE_COS).then_some((other, cosine < 0.0))
 }
 
-/// Points where two triangles that are near each other at the start are flush; none of those that only touch.
+/// Points where two triangles that are near each other at the start are flush; none where only their edges touch.
 pub fn flush_points(tool: &Tool, start: &Pose, mockup: &Mockup, triangles: [u32; 2]) -> Vec<Flush> {
     let [t, m] = triangles;
     let own = start.apply_triangle(&tool.mesh().triangle(t));
     let other = mockup.mesh().triangle(m);
     let signs = (tool.adjacency().outward[t as usize], mockup.adjacency().outward[m as usize]);
-    let Some(normal) = common_normal((&own, signs.0), (&other, signs.1)) else { return Vec::new() };
+    let Some((normal, bears)) = common_normal((&own, signs.0), (&other, signs.1)) else { return Vec::new() };
     let into_tool = |at: Point| times(&transposed(start.rotation()), &sub(&at, start.translation()));
     let points = common(&own, &other, &normal).into_iter().map(into_tool);
-    points.map(|point| Flush { point, normal, triangles }).collect()
+    points.map(|point| Flush { point, normal, bears, triangles }).collect()
 }
 
 /// The corners of the overlap of two triangles in one plane, each moved a little inwards. Empty where they only touch.
