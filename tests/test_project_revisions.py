@@ -115,6 +115,61 @@ def test_a_check_with_a_smaller_clearance_keeps_what_was_said(tmp_path: Path) ->
     session.close()
 
 
+@pytest.mark.parametrize("is_moved", [True, False], ids=["moved", "left out"])
+def test_findings_that_are_gone_are_the_same_in_the_workbench_and_out_of_it(tmp_path: Path, is_moved: bool) -> None:
+    """They keep their notes and their history, through undo, and in the next file."""
+    now = revision(p1=("move", 50.0)) if is_moved else without_left()
+    told = []
+    for name in ("command", "page"):
+        path = tmp_path / f"{name}.feelproj"
+        found = feeler.clash(stand(), 0.3)
+        for each in found.ids:
+            found.set_status(each, "reviewed", by="Ada", note="asked")
+        with feeler.open_project(path, stand()) as project:
+            project.write_clashes(found)
+        if name == "command":
+            with contextlib.closing(open_or_make(path)) as book:
+                take_mockup(book, now, Work([]))
+                again = feeler.clash(now, 0.3)
+                known = book.clashes()
+                assert known is not None
+                again.diff(known)
+                book.write_clashes(again)
+        else:
+            session = opened(path, now)
+            session.command("clash_settings", {"clearance": 0.3})
+            take(session, "clash")
+            saved(session)
+            for command in ("undo", "redo"):
+                session.command(command, {})
+                saved(session)
+            in_page = report_of(of_document(session.current, now, {}), WHEN)
+            session.close()
+        with contextlib.closing(open_or_make(path, read_only=True)) as book:
+            earlier = book.clashes()
+            report = report_of(of_book(book, now), WHEN)
+        assert earlier is not None and [each.note for each in earlier.earlier()] == ["asked"] * len(report.resolved)
+        assert all(row.note == "asked" and row.by == "Ada" for row in report.resolved)
+        told.append([(row.id, row.status, row.sentence, row.history[-1].status) for row in report.resolved])
+    assert told[0] and told[0] == told[1]
+    assert [row.id for row in in_page.resolved] == [row[0] for row in told[0]]
+    if is_moved:
+        with contextlib.closing(open_or_make(path)) as book:
+            take_mockup(book, revision([f"new {each}" for each in PATHS], p1=("move", 50.0)), Work([]))
+            known = book.clashes()
+            assert known is not None and {key.split("/")[0] for key in known.keys} <= {"new stand", "new sheet"}
+
+
+def without_left() -> feeler.Mockup:
+    """The stand without a post."""
+    whole = stand()
+    kept = np.flatnonzero(whole.part_of_face != LEFT)
+    parts = whole.part_of_face[kept].astype(int)
+    paths = [path for row, path in enumerate(PATHS) if row != LEFT]
+    names = [path.split("/")[-1] for path in paths]
+    return feeler.Mockup(whole.vertices, whole.faces[kept], parts - (parts > LEFT), names, part_paths=paths)
+
+
 def test_a_check_of_the_command_line_knows_findings_of_the_workbench_in_another_file(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     before = checked(path)
