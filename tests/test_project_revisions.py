@@ -213,6 +213,32 @@ def test_patterns_and_rules_follow_the_names_of_parts(tmp_path: Path) -> None:
     session.close()
 
 
+@pytest.mark.parametrize(
+    ("after", "now"),
+    [
+        (["stand/plate", "stand/posts/left", "stand/posts/mid", "stand/peg", "sheet"], "mid"),
+        (["stand/plate", "stand/posts/left", "stand/posts/peg", "stand/peg", "sheet"], "stand/posts/peg"),
+        (["stand/plate", "stand/right", "stand/mid", "stand/peg", "sheet"], "right"),
+    ],
+    ids=["name", "another has the name", "still there"],
+)
+def test_a_bare_name_follows_its_part(tmp_path: Path, after: list[str], now: str) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("requirement_add", {"name": "r", "a": "right", "b": "plate", "gap": 0.1})
+    saved(session)
+    session.close()
+    with contextlib.closing(open_or_make(path, read_only=True)) as book:
+        (asked,) = of_book(book, stand(after)).document.requirements
+    assert (asked.a, asked.b) == (now, "plate")
+
+
+def test_names_of_several_parts_follow_together() -> None:
+    parts = stand(["a/x", "b/x", "c/z", "peg", "sheet"]).parts
+    names = Names({"a/bolt": "a/x", "b/bolt": "b/x", "c/nut": "c/z", "d/nut": "peg", "e/pin#2": "sheet"})
+    assert [names.pattern(each, parts) for each in ("bolt", "nut", "pin")] == ["x", "nut", "sheet"]
+
+
 def test_rules_keep_all_but_their_patterns() -> None:
     parts = stand(NEW).parts
     names = Names(dict(zip(OLD, NEW, strict=True)), (("engine/", "engine_v2/"),))
