@@ -233,6 +233,31 @@ def test_a_bare_name_follows_its_part(tmp_path: Path, after: list[str], now: str
     assert (asked.a, asked.b) == (now, "plate")
 
 
+def test_renamed_parts_are_listed_until_the_answers_are_of_these(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    saved(session)
+    session.close()
+    told = []
+    for name in ("mid", "far"):
+        now = stand([*PATHS[:2], f"stand/posts/{name}", *PATHS[3:]])
+        with feeler.open_project(path) as project:
+            told.append(project.changes(now).renamed)
+        session = opened(path, now)
+        saved(session)
+        session.close()
+        with feeler.open_project(path) as project:
+            assert project.changes().renamed == told[-1]
+        with contextlib.closing(open_or_make(path, read_only=True)) as book:
+            assert of_book(book, now).changes.renamed == of_book(book, None).changes.renamed == told[-1]
+    assert told == [{PATHS[2]: "stand/posts/mid"}, {PATHS[2]: "stand/posts/far"}]
+    with feeler.open_project(path) as project:
+        assert not project.changes(stand()), "as it was"
+    with contextlib.closing(open_or_make(path)) as book:
+        book.write(book.revision_changes(book.revision(now), is_accepted=True))
+        assert not book.renamed()
+
+
 def test_names_of_several_parts_follow_together() -> None:
     parts = stand(["a/x", "b/x", "c/z", "peg", "sheet"]).parts
     names = Names({"a/bolt": "a/x", "b/bolt": "b/x", "c/nut": "c/z", "d/nut": "peg", "e/pin#2": "sheet"})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, NoReturn
@@ -18,11 +19,13 @@ from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 from feeler.project.layout import SUFFIX
 from feeler.project.parts import (
+    PartChanges,
     PartContent,
     Revision,
     accepted,
     contents_of,
     parts_of,
+    renamed_since,
     revised,
     rows_of,
     text_of,
@@ -35,6 +38,7 @@ _NEW = {"status": "new"}
 _FACTS = ("version", "clearance", "contact", "parts", "triangles", "files", "hidden")
 """Of the head of a check, as the workbench keeps them."""
 _MOST_HISTORY = 1_000_000
+_RENAMED = "renamed"  # a fact: see `Book.renamed`
 
 CHECK = "clashes"
 """The fact that has the last clash check without its findings."""
@@ -200,17 +204,30 @@ class Book:
             )
         return found
 
+    def renamed(self) -> dict[str, str]:
+        """The key of each renamed part by the one that the project's answers are about."""
+        value = self.fact(_RENAMED)
+        return {old: new for old, new in value.items() if isinstance(new, str)} if isinstance(value, dict) else {}
+
+    def part_changes(self, revision: Revision) -> PartChanges:
+        """What differs in a revision from the mock-up that the project's answers are about."""
+        return replace(revision.changes(), renamed=renamed_since(self.renamed(), revision))
+
     def revision_changes(self, revision: Revision, *, is_accepted: bool = False) -> Iterator[Change]:
         """Makes a revision the one that the project is about."""
-        before = self._store.rows("parts")
+        rows = self._store.rows("parts")
         now = accepted(revision.parts) if is_accepted else revision.parts
-        known = {row.id: row for row in before}
+        known = {row.id: row for row in rows}
         for change in rows_of(now):
             if known.pop(change.id, None) != change.row:
                 yield change
         yield from (drop("parts", key) for key in known)
         gone = () if is_accepted else revision.gone
         yield from self.list_changes("gone", {part.key: text_of(part) for part in gone})
+        before = self.renamed()
+        renamed = {} if is_accepted else renamed_since(before, revision)
+        if renamed != before:
+            yield put("facts", _RENAMED, 0, dumps(renamed))
 
     def list_changes(self, table: str, values: Mapping[str, str]) -> Iterator[Change]:
         """Makes these the rows of a table, in this order."""

@@ -104,7 +104,7 @@ def of_book(
         sources,
         answers,
         [each for each in (loads(row.value, "the history") for row in rows("history")) if isinstance(each, dict)],
-        revision.changes(),
+        book.part_changes(revision),
         {number: str(change) for number, change in revision.stale.items()},
         tuple(said),
         run,
