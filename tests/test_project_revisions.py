@@ -245,6 +245,8 @@ def test_renamed_parts_are_listed_until_the_answers_are_of_these(tmp_path: Path)
             told.append(project.changes(now).renamed)
         session = opened(path, now)
         saved(session)
+        session.job("report", {"pictures": 0}).result(WAIT_S)
+        assert "<li>1 renamed: " in session.export("report.html").decode()
         session.close()
         with feeler.open_project(path) as project:
             assert project.changes().renamed == told[-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -118,8 +119,9 @@ def of_document(
     answers: Mapping[int, CardAnswer],
     history: Sequence[Mapping[str, Any]] = (),
     run: RunFacts | None = None,
+    renamed: Mapping[str, str] = MappingProxyType({}),
 ) -> Source:
-    """The source of a session's document. history, run: of its project."""
+    """The source of a session's document. history, run, renamed: of its project."""
     project = document.project
     stale = {} if project is None else dict(project.stale)
     by_change: dict[str, list[str]] = {name: [] for name in ("changed", "moved", "new")}
@@ -131,6 +133,7 @@ def of_document(
         tuple(by_change["moved"]),
         tuple(by_change["new"]),
         () if project is None else project.gone,
+        renamed,
     )
     name = document.mockup.name if document.mockup else "mock-up"
     return Source(
