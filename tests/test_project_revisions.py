@@ -160,6 +160,17 @@ def test_findings_that_are_gone_are_the_same_in_the_workbench_and_out_of_it(tmp_
             assert known is not None and {key.split("/")[0] for key in known.keys} <= {"new stand", "new sheet"}
 
 
+def test_findings_that_name_parts_in_other_words_are_not_gone(tmp_path: Path) -> None:
+    session = opened(tmp_path / "a.feelproj")
+    row = {"id": "7", "a": "left", "b": "plate", "verdict": "contact", "rule": "default", "status": "reviewed"}
+    session.load_findings({"clashes": [row, {**row, "id": "8", "a": "stand/posts/left", "b": "stand/peg"}]})
+    found = session.job("clash", {}).result(WAIT_S)
+    session.command("findings_take", {"key": found["key"]})
+    assert found["gone"] == 1 and said(session)["plate", "left"] == ("reviewed", "")
+    saved(session)
+    session.close()
+
+
 def without_left() -> feeler.Mockup:
     """The stand without a post."""
     whole = stand()

@@ -266,9 +266,12 @@ class FindingTable:
         files = mockup.source.files or self.facts.files
         return self._clashes(self.placed, self.part_of_path, mockup.part_paths, files, mark_of)
 
-    def named_clashes(self, mark_of: Callable[[str], Mark]) -> Clashes:
-        """All findings with their marks by id, for `Clashes.diff`: of parts by the keys that name them."""
-        return self._clashes(np.arange(len(self)), np.arange(len(self.paths)), self.paths, self.facts.files, mark_of)
+    def named_clashes(self, keys: Sequence[str], mark_of: Callable[[str], Mark]) -> Clashes:
+        """All findings with their marks by id, for `Clashes.diff`. keys: of the mock-up's parts; others keep theirs."""
+        number: dict[str, int] = {}
+        names = (keys[part] if part >= 0 else path for part, path in zip(self.part_of_path, self.paths, strict=True))
+        known = np.array([number.setdefault(name, len(number)) for name in names], np.uint32)
+        return self._clashes(np.arange(len(self)), known, [*number], self.facts.files, mark_of)
 
     def _clashes(
         self,

@@ -252,9 +252,10 @@ def _tracked(
     """Takes over statuses and notes by id; the findings that are gone, and marks of those not looked at."""
     if before is None:
         return (), MappingProxyType({})
-    then = before.table.named_clashes(before.mark_of)
+    keys = part_keys(mockup.part_paths)
+    then = before.table.named_clashes(keys, before.mark_of)
     marks = {**{name: then.marks.of(name) for name in then.ids}, **before.aside}
-    if {*part_keys(mockup.part_paths)}.isdisjoint(then.keys):  # of another mock-up
+    if {*keys}.isdisjoint(then.keys):  # of another mock-up
         then = then[:0]
     then.marks.aside = before.aside
     resolved: tuple[Mapping[str, Any], ...] = ()
