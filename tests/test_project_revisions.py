@@ -115,6 +115,72 @@ def test_a_check_with_a_smaller_clearance_keeps_what_was_said(tmp_path: Path) ->
     session.close()
 
 
+@pytest.mark.parametrize("is_moved", [True, False], ids=["moved", "left out"])
+def test_findings_that_are_gone_are_the_same_in_the_workbench_and_out_of_it(tmp_path: Path, is_moved: bool) -> None:
+    """They keep their notes and their history, through undo, and in the next file."""
+    now = revision(p1=("move", 50.0)) if is_moved else without_left()
+    told = []
+    for name in ("command", "page"):
+        path = tmp_path / f"{name}.feelproj"
+        found = feeler.clash(stand(), 0.3)
+        for each in found.ids:
+            found.set_status(each, "reviewed", by="Ada", note="asked")
+        with feeler.open_project(path, stand()) as project:
+            project.write_clashes(found)
+        if name == "command":
+            with contextlib.closing(open_or_make(path)) as book:
+                take_mockup(book, now, Work([]))
+                again = feeler.clash(now, 0.3)
+                known = book.clashes()
+                assert known is not None
+                again.diff(known)
+                book.write_clashes(again)
+        else:
+            session = opened(path, now)
+            session.command("clash_settings", {"clearance": 0.3})
+            take(session, "clash")
+            saved(session)
+            for command in ("undo", "redo"):
+                session.command(command, {})
+                saved(session)
+            in_page = report_of(of_document(session.current, now, {}), WHEN)
+            session.close()
+        with contextlib.closing(open_or_make(path, read_only=True)) as book:
+            earlier = book.clashes()
+            report = report_of(of_book(book, now), WHEN)
+        assert earlier is not None and [each.note for each in earlier.earlier()] == ["asked"] * len(report.resolved)
+        assert all(row.note == "asked" and row.by == "Ada" for row in report.resolved)
+        told.append([(row.id, row.status, row.sentence, row.history[-1].status) for row in report.resolved])
+    assert told[0] and told[0] == told[1]
+    assert [row.id for row in in_page.resolved] == [row[0] for row in told[0]]
+    if is_moved:
+        with contextlib.closing(open_or_make(path)) as book:
+            take_mockup(book, revision([f"new {each}" for each in PATHS], p1=("move", 50.0)), Work([]))
+            known = book.clashes()
+            assert known is not None and {key.split("/")[0] for key in known.keys} <= {"new stand", "new sheet"}
+
+
+def test_findings_that_name_parts_in_other_words_are_not_gone(tmp_path: Path) -> None:
+    session = opened(tmp_path / "a.feelproj")
+    row = {"id": "7", "a": "left", "b": "plate", "verdict": "contact", "rule": "default", "status": "reviewed"}
+    session.load_findings({"clashes": [row, {**row, "id": "8", "a": "stand/posts/left", "b": "stand/peg"}]})
+    found = session.job("clash", {}).result(WAIT_S)
+    session.command("findings_take", {"key": found["key"]})
+    assert found["gone"] == 1 and said(session)["plate", "left"] == ("reviewed", "")
+    saved(session)
+    session.close()
+
+
+def without_left() -> feeler.Mockup:
+    """The stand without a post."""
+    whole = stand()
+    kept = np.flatnonzero(whole.part_of_face != LEFT)
+    parts = whole.part_of_face[kept].astype(int)
+    paths = [path for row, path in enumerate(PATHS) if row != LEFT]
+    names = [path.split("/")[-1] for path in paths]
+    return feeler.Mockup(whole.vertices, whole.faces[kept], parts - (parts > LEFT), names, part_paths=paths)
+
+
 def test_a_check_of_the_command_line_knows_findings_of_the_workbench_in_another_file(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     before = checked(path)
@@ -156,6 +222,59 @@ def test_patterns_and_rules_follow_the_names_of_parts(tmp_path: Path) -> None:
     taken = session.job("clash", {}).result(WAIT_S)
     assert not any("names no part" in note for note in taken["notes"])
     session.close()
+
+
+@pytest.mark.parametrize(
+    ("after", "now"),
+    [
+        (["stand/plate", "stand/posts/left", "stand/posts/mid", "stand/peg", "sheet"], "mid"),
+        (["stand/plate", "stand/posts/left", "stand/posts/peg", "stand/peg", "sheet"], "stand/posts/peg"),
+        (["stand/plate", "stand/right", "stand/mid", "stand/peg", "sheet"], "right"),
+    ],
+    ids=["name", "another has the name", "still there"],
+)
+def test_a_bare_name_follows_its_part(tmp_path: Path, after: list[str], now: str) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("requirement_add", {"name": "r", "a": "right", "b": "plate", "gap": 0.1})
+    saved(session)
+    session.close()
+    with contextlib.closing(open_or_make(path, read_only=True)) as book:
+        (asked,) = of_book(book, stand(after)).document.requirements
+    assert (asked.a, asked.b) == (now, "plate")
+
+
+def test_renamed_parts_are_listed_until_the_answers_are_of_these(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    saved(session)
+    session.close()
+    told = []
+    for name in ("mid", "far"):
+        now = stand([*PATHS[:2], f"stand/posts/{name}", *PATHS[3:]])
+        with feeler.open_project(path) as project:
+            told.append(project.changes(now).renamed)
+        session = opened(path, now)
+        saved(session)
+        session.job("report", {"pictures": 0}).result(WAIT_S)
+        assert "<li>1 renamed: " in session.export("report.html").decode()
+        session.close()
+        with feeler.open_project(path) as project:
+            assert project.changes().renamed == told[-1]
+        with contextlib.closing(open_or_make(path, read_only=True)) as book:
+            assert of_book(book, now).changes.renamed == of_book(book, None).changes.renamed == told[-1]
+    assert told == [{PATHS[2]: "stand/posts/mid"}, {PATHS[2]: "stand/posts/far"}]
+    with feeler.open_project(path) as project:
+        assert not project.changes(stand()), "as it was"
+    with contextlib.closing(open_or_make(path)) as book:
+        book.write(book.revision_changes(book.revision(now), is_accepted=True))
+        assert not book.renamed()
+
+
+def test_names_of_several_parts_follow_together() -> None:
+    parts = stand(["a/x", "b/x", "c/z", "peg", "sheet"]).parts
+    names = Names({"a/bolt": "a/x", "b/bolt": "b/x", "c/nut": "c/z", "d/nut": "peg", "e/pin#2": "sheet"})
+    assert [names.pattern(each, parts) for each in ("bolt", "nut", "pin")] == ["x", "nut", "sheet"]
 
 
 def test_rules_keep_all_but_their_patterns() -> None:

@@ -28,6 +28,7 @@ from feeler.errors import FeelerError, LoadError, WriteError
 from feeler.io import write_glb
 from feeler.project import layout
 from feeler.project.book import open_or_make
+from feeler.workbench.document.cards import line_setting
 from feeler.workbench.report import as_html, media
 from feeler.workbench.report.as_json import report_json
 from feeler.workbench.report.as_xlsx import xlsx_bytes
@@ -603,6 +604,18 @@ def test_damaged_values_are_told_or_shown(
     except FeelerError:
         return
     assert page.count("<script") == 1 and "onclick=alert(1)>" not in page
+
+
+def test_a_question_says_of_which_mock_up_it_is(there: Path) -> None:
+    report = report_of(source_of(there))
+    settings = ("as loaded", line_setting(0), line_setting(2))
+    asked = tuple(replace(report.questions[0], setting=each) for each in settings)
+    page = as_html.html_page(replace(report, questions=asked), Media()).decode()
+    assert re.findall("About the mock-up[^<]*", page) == [
+        "About the mock-up: as loaded.",
+        "About the mock-up: before the first removal of the sequence.",
+        "About the mock-up: after 2 removals of the sequence.",
+    ]
 
 
 def test_columns_of_a_page_are_never_wider_than_a_narrow_screen(there: Path) -> None:

@@ -189,7 +189,7 @@ def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> tuple[PartC
     if project.parts():
         revision = project.revision(mockup)
         parts = revision.parts
-        if project.fact(CHECK) is None:
+        if "shapes" not in (project.fact(CHECK) or ()):
             # Findings of the workbench, without the shapes that a check compares: the project knows its parts.
             project.write(renaming_changes(project, Names.of(revision)))
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, NoReturn
@@ -18,11 +19,13 @@ from feeler.errors import LoadError, OptionError
 from feeler.mockup import Mockup
 from feeler.project.layout import SUFFIX
 from feeler.project.parts import (
+    PartChanges,
     PartContent,
     Revision,
     accepted,
     contents_of,
     parts_of,
+    renamed_since,
     revised,
     rows_of,
     text_of,
@@ -35,6 +38,7 @@ _NEW = {"status": "new"}
 _FACTS = ("version", "clearance", "contact", "parts", "triangles", "files", "hidden")
 """Of the head of a check, as the workbench keeps them."""
 _MOST_HISTORY = 1_000_000
+_RENAMED = "renamed"  # a fact: see `Book.renamed`
 
 CHECK = "clashes"
 """The fact that has the last clash check without its findings."""
@@ -122,7 +126,7 @@ class Book:
         head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
         groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
         rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
-        ended = {row["id"]: {"status": "resolved"} for row in earlier if row["status"] == "resolved"}
+        ended = ended_marks(resolved_of(head))
         waiting = {row["id"]: row for row in earlier if row["status"] != "resolved"}
         every = {**{row["id"]: row for row in rows}, **waiting}
         here = {key: {name: row[name] for name in _MARKED if name in row} for key, row in every.items()}
@@ -139,6 +143,18 @@ class Book:
         changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.history_changes(ids)]
         changes += self.marks_changes(marks, ended, known)
         self.write([*changes, *self._of_another_check(head), *beside])
+
+    def check_changes(
+        self, facts: Mapping[str, Any], resolved: Sequence[Mapping[str, Any]], *, is_same_check: bool
+    ) -> Iterator[Change]:
+        """Makes these the findings that are gone. facts: of a check that is not of the findings in the file."""
+        there = self.fact(CHECK) if is_same_check else None
+        head = there if isinstance(there, dict) else None
+        if head is None and not resolved:
+            yield drop("facts", CHECK)
+        elif head is None or resolved_of(head) != [*resolved]:
+            waiting = [] if head is None else [each for each in _earlier(head) if each.get("status") != "resolved"]
+            yield put("facts", CHECK, 0, dumps({**(head or facts), "earlier": [*resolved, *waiting]}))
 
     def _renamed(self, clashes: Clashes) -> Mapping[str, str]:
         """The id now by the id before, of findings that a comparison with the last check found under other names."""
@@ -188,17 +204,30 @@ class Book:
             )
         return found
 
+    def renamed(self) -> dict[str, str]:
+        """The key of each renamed part by the one that the project's answers are about."""
+        value = self.fact(_RENAMED)
+        return {old: new for old, new in value.items() if isinstance(new, str)} if isinstance(value, dict) else {}
+
+    def part_changes(self, revision: Revision) -> PartChanges:
+        """What differs in a revision from the mock-up that the project's answers are about."""
+        return replace(revision.changes(), renamed=renamed_since(self.renamed(), revision))
+
     def revision_changes(self, revision: Revision, *, is_accepted: bool = False) -> Iterator[Change]:
         """Makes a revision the one that the project is about."""
-        before = self._store.rows("parts")
+        rows = self._store.rows("parts")
         now = accepted(revision.parts) if is_accepted else revision.parts
-        known = {row.id: row for row in before}
+        known = {row.id: row for row in rows}
         for change in rows_of(now):
             if known.pop(change.id, None) != change.row:
                 yield change
         yield from (drop("parts", key) for key in known)
         gone = () if is_accepted else revision.gone
         yield from self.list_changes("gone", {part.key: text_of(part) for part in gone})
+        before = self.renamed()
+        renamed = {} if is_accepted else renamed_since(before, revision)
+        if renamed != before:
+            yield put("facts", _RENAMED, 0, dumps(renamed))
 
     def list_changes(self, table: str, values: Mapping[str, str]) -> Iterator[Change]:
         """Makes these the rows of a table, in this order."""
@@ -320,6 +349,21 @@ def renamed_marks(marks: Mapping[str, dict[str, Any]], ids: Mapping[str, str]) -
     """Marks by the ids of now. ids: by the ids before; a mark goes if another finding has its id now."""
     taken = {*ids.values()}
     return {ids.get(key, key): mark for key, mark in marks.items() if key in ids or key not in taken}
+
+
+def _earlier(head: Any) -> list[dict[str, Any]]:
+    listed = head.get("earlier") if isinstance(head, dict) else None
+    return [each for each in listed if isinstance(each, dict)] if isinstance(listed, list) else []
+
+
+def resolved_of(head: Any) -> list[dict[str, Any]]:
+    """The findings of the check before that are gone, as JSON. head: the fact `CHECK` of a project of anybody."""
+    return [each for each in _earlier(head) if each.get("status") == "resolved" and isinstance(each.get("id"), str)]
+
+
+def ended_marks(resolved: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """What the history says of findings that are gone."""
+    return {row["id"]: {"status": "resolved"} for row in resolved}
 
 
 def _line(finding: str, at: str, mark: Mapping[str, Any]) -> dict[str, Any]:

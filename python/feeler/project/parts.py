@@ -97,6 +97,14 @@ class PartChanges:
         return f"parts: {said}" if said else "no part changed"
 
 
+def renamed_since(before: Mapping[str, str], revision: Revision) -> dict[str, str]:
+    """The key of now by the first one. before: the same, up to this revision."""
+    keys, middle = {part.key for part in revision.parts}, {*before.values()}
+    found = {old: revision.renamed.get(new, new) for old, new in before.items()}
+    found |= {old: new for old, new in revision.renamed.items() if old not in middle}
+    return {old: new for old, new in found.items() if old != new and new in keys}
+
+
 @dataclass(frozen=True)
 class Revision:
     """A mock-up beside the parts that a project knows.

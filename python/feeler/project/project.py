@@ -88,8 +88,8 @@ class Project:
         """
         if mockup is None:
             known = self._book.parts()
-            return revised(known, self._book.gone(), known).changes()
-        return self._book.revision(check_kind("mockup", mockup, Mockup)).changes()
+            return self._book.part_changes(revised(known, self._book.gone(), known))
+        return self._book.part_changes(self._book.revision(check_kind("mockup", mockup, Mockup)))
 
     def clashes(self) -> Clashes | None:
         """The findings of the last clash check, with their statuses and notes; None if there was none.

@@ -19,6 +19,7 @@ from feeler.project.parts import Revision, renamed_folders
 from feeler.project.store import Change, Row, drop, put
 
 _SPECIAL = re.compile(r"[*?\[\]]")
+_NUMBER = re.compile(r"#[0-9]+$")  # of a key, where several parts have its path
 _REGEX = "re:"
 _LISTS = ("earlier",)
 _SHAPES = ("shapes", "earlier_shapes")
@@ -52,7 +53,16 @@ class Names:
             return next(self._renamed(pattern), pattern)
         if named_parts(pattern, parts):
             return pattern
-        return next((made for made in self._renamed(pattern) if named_parts(made, parts)), pattern)
+        renamed = (*self._renamed(pattern), *self._called(pattern, parts))
+        return next((made for made in renamed if named_parts(made, parts)), pattern)
+
+    def _called(self, name: str, parts: Parts) -> Iterator[str]:
+        """The name now of the parts with this name; the path if other parts have that name, too."""
+        now = [new for old, new in self.keys.items() if name in (last := _last(old), _NUMBER.sub("", last))]
+        names = {_NUMBER.sub("", _last(key)) for key in now}
+        yield from (each for each in names if len(names) == 1 and len(named_parts(each, parts)) == len(now))
+        if len(now) == 1:
+            yield now[0]
 
     def _renamed(self, pattern: str) -> Iterator[str]:
         if pattern in self.keys:
@@ -63,6 +73,11 @@ class Names:
             for before, now in ((old, new), *(_as_pattern(old, new, pattern))):
                 if pattern.startswith(before):
                     yield now + pattern[len(before) :]
+
+
+def _last(key: str) -> str:
+    """The last step of a key: mostly the name of the part."""
+    return key.rpartition("/")[2]
 
 
 def _as_pattern(old: str, new: str, pattern: str) -> Iterator[tuple[str, str]]:

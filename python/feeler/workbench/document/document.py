@@ -246,7 +246,7 @@ class Check:
     gripped: tuple[int, ...]
 
 
-_UNSEEN = ("table", "aside", "authors")
+_UNSEEN = ("table", "aside", "authors", "resolved")
 
 
 @dataclass(frozen=True)
@@ -256,7 +256,8 @@ class Findings:
     table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. authors: who
     set these, or an empty name; pages do not see them. own_groups: made by hand, and `members` the group of a finding
     by its id. check: None for findings of a file. aside: the marks of findings that an exclusion hides, for when it is
-    gone; pages do not see them. stale: parts that differ since, also those without findings.
+    gone; pages do not see them. stale: parts that differ since, also those without findings. resolved: findings
+    of the check before that are gone, as JSON; pages do not see them.
     """
 
     table: FindingTable
@@ -269,6 +270,7 @@ class Findings:
     aside: Mapping[str, Mark] = field(default_factory=lambda: MappingProxyType({}))
     stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
     authors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    resolved: tuple[Mapping[str, Any], ...] = ()
 
     def mark_of(self, name: str) -> Mark:
         """The mark of a finding, in the table or aside."""

@@ -263,7 +263,25 @@ class FindingTable:
 
     def clashes(self, mockup: Mockup, mark_of: Callable[[str], Mark]) -> Clashes:
         """The findings of this mock-up's parts with their marks by id, for `feeler.clashes`. Others are left out."""
-        known, kept = self.part_of_path, self.placed
+        files = mockup.source.files or self.facts.files
+        return self._clashes(self.placed, self.part_of_path, mockup.part_paths, files, mark_of)
+
+    def named_clashes(self, keys: Sequence[str], mark_of: Callable[[str], Mark]) -> Clashes:
+        """All findings with their marks by id, for `Clashes.diff`. keys: of the mock-up's parts; others keep theirs."""
+        number: dict[str, int] = {}
+        names = (keys[part] if part >= 0 else path for part, path in zip(self.part_of_path, self.paths, strict=True))
+        known = np.array([number.setdefault(name, len(number)) for name in names], np.uint32)
+        return self._clashes(np.arange(len(self)), known, [*number], self.facts.files, mark_of)
+
+    def _clashes(
+        self,
+        kept: npt.NDArray[np.intp],
+        known: npt.NDArray[Any],
+        paths: Sequence[str],
+        files: tuple[str, ...],
+        mark_of: Callable[[str], Mark],
+    ) -> Clashes:
+        """Some rows. known: the number of each of `self.paths` among these paths."""
         codes = np.array([_CODES.get(word, Verdict.CLASH.code) for word in self.verdicts] or [0])
         values = {
             "a": known[self.a[kept]],
@@ -276,8 +294,7 @@ class FindingTable:
             **{name: np.array(values[name], kind).reshape(-1, *shape) for name, (kind, shape) in SHAPES.items()}
         )
         hidden = tuple(self.hidden.items())
-        facts = replace(self.facts, files=mockup.source.files or self.facts.files, hidden=hidden)
-        made = Clashes(columns, mockup.part_paths, self.rules, facts=facts)
+        made = Clashes(columns, paths, self.rules, facts=replace(self.facts, files=files, hidden=hidden))
         names = zip(made.ids, kept.tolist(), strict=True)
         made.marks.replace({now: mark_of(self.ids[row]) for now, row in names})
         return made

@@ -16,6 +16,7 @@ from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import decoded, text_of
 from feeler.mockup import Mockup
 from feeler.parts import Parts
+from feeler.project.book import resolved_of
 from feeler.workbench.document.document import Check, Findings, OwnGroup
 from feeler.workbench.document.finding_table import clashes_in, lacking, table_of, table_of_clashes
 from feeler.workbench.document.patient_json import patient_loads
@@ -81,6 +82,7 @@ def saved(found: Findings) -> dict[str, Any]:
         **{name: facts[name] for name in kept},
         "authors": dict(found.authors),
         "aside": aside,
+        "resolved": list(found.resolved),
     }
 
 
@@ -100,6 +102,7 @@ def restored(data: Any, parts: Parts, absent: Collection[int] = ()) -> Findings:
             None if check is None else _check(check),
             MappingProxyType({str(name): mark_of_json(mark) for name, mark in data.get("aside", {}).items()}),
             authors=MappingProxyType({str(name): str(by) for name, by in data.get("authors", {}).items()}),
+            resolved=tuple(resolved_of({"earlier": data.get("resolved")})),
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise LoadError(f"the saved findings cannot be read: {error!r}") from None
@@ -144,7 +147,16 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
     }
     notes = {name: mark.note for name, mark in differ.items() if name in here and changes[name][0].note != mark.note}
     authors = {name: mark.by for name, mark in differ.items() if name in here}
-    aside = {name: mark for name, mark in {**found.aside, **now.aside, **differ}.items() if name not in here}
+    ended = {row["id"] for row in found.resolved}
+    aside = {
+        name: mark
+        for name, mark in {**found.aside, **now.aside, **differ}.items()
+        if name not in here and name not in ended
+    }
+    resolved = (
+        {**row, "by": differ[row["id"]].by, "note": differ[row["id"]].note} if row["id"] in differ else row
+        for row in found.resolved
+    )
     made = replace(
         found,
         status=changed(found.status, status, found.table.status_of),
@@ -153,5 +165,6 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
         members=MappingProxyType({name: group for name, group in now.members.items() if name in here or name in aside}),
         is_touching_hidden=now.is_touching_hidden,
         aside=MappingProxyType(aside),
+        resolved=tuple(resolved),
     )
     return signed(made, authors)

@@ -21,7 +21,7 @@ import numpy as np
 from feeler.clashes.tracking import NEW, mark_json, mark_of_json
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
-from feeler.project.book import CHECK, dumps, row_id
+from feeler.project.book import CHECK, Book, dumps, ended_marks, resolved_of, row_id
 from feeler.project.layout import TABLES
 from feeler.project.renaming import Names
 from feeler.project.store import Change, Row, drop, put
@@ -51,7 +51,7 @@ NOT_KEPT = frozenset(
 """Fields of one run of the program."""
 
 _RENAMED = {"viewpoints": "views"}
-_FINDINGS, _TABLE, _CARDS = "findings", "table", "cards"
+_FINDINGS, _TABLE, _RESOLVED, _CARDS = "findings", "table", "resolved", "cards"
 _GROUP = "members"  # of a mark: the number of a group that was made by hand
 _OPEN = ("waiting", "running")
 _INTERRUPTED = "Interrupted: ask again."
@@ -117,6 +117,7 @@ def changes(before: Document | None, after: Document) -> Iterator[Change]:
         if name == _FINDINGS:
             rest = None if now is None else {key: value for key, value in _fields_of(now) if not _is_by_id(now, key)}
             if rest is not None:
+                del rest[_RESOLVED]  # see `check_changes`
                 rest[_TABLE] = now.table.facts_json()
             yield put("document", name, 0, encoded(rest))
         elif name == _CARDS:
@@ -166,6 +167,19 @@ def finding_mark(found: Findings, name: str) -> dict[str, Any] | None:
     if group is not None:
         return {**mark, _GROUP: group}
     return None if mark == mark_json(NEW) else mark
+
+
+def check_changes(book: Book, found: Findings | None, *, is_same_check: bool) -> Iterator[Change]:
+    """The rows of findings that are gone, where a check of the command line has them. is_same_check: as the file's."""
+    if found is None:
+        return book.check_changes({}, (), is_same_check=False)
+    return book.check_changes(found.table.facts_json(), found.resolved, is_same_check=is_same_check)
+
+
+def ended(book: Book, found: Findings | None) -> dict[str, dict[str, Any]]:
+    """What the history says of findings of which nothing is said any more: they are gone, or new again."""
+    new = dict.fromkeys(book.marks(), mark_json(NEW))
+    return new if found is None else {**new, **ended_marks(found.resolved)}
 
 
 def marks_that_differ(old: Findings, new: Findings) -> dict[str, dict[str, Any] | None]:
@@ -246,12 +260,12 @@ def restored(
         values = _renamed(values, names, parts)
     values = _without(values, frozenset(base.absent))
     rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
-    if rest is not None or there:  # a clash check of the command line writes rows alone
+    head = loads(next((row.value for row in rows("facts") if row.id == CHECK), "null"), _FINDINGS)
+    resolved = tuple(resolved_of(head))
+    if rest is not None or there or resolved:  # a clash check of the command line writes rows alone
         found = [loads(row.value, _FINDINGS) for row in there]
-        if rest is None:
-            head = next((row.value for row in rows("facts") if row.id == CHECK), "null")
-            rest = {_TABLE: loads(head, _FINDINGS)}
-        values[_FINDINGS] = _findings(rest, found, marks, base, parts, renumber)
+        made = _findings({_TABLE: head} if rest is None else rest, found, marks, base, parts, renumber)
+        values[_FINDINGS] = replace(made, resolved=resolved)
     document = replace(base, **values)
     _check(document, len(parts), aside)
     return Kept(document, tuple(aside))
@@ -270,7 +284,7 @@ def _findings(
     made = Findings(table)
     values: dict[str, Any] = _marked(table, marks)
     for name, kind in _hints(Findings).items():
-        if name != _TABLE and name not in values and isinstance(rest, dict) and name in rest:
+        if name not in (_TABLE, _RESOLVED) and name not in values and isinstance(rest, dict) and name in rest:
             values[name] = _decoded(rest[name], kind, f"{name} of the findings")
     check = values.get("check")
     if renumber is not None and check is not None:

@@ -473,7 +473,7 @@ class _Page:
         parts = [
             f"<article class='card wide'><h3>{_text(row.title)}</h3>",
             f"<p>{chip} {_text(row.sentence)}</p>",
-            f"<p class=soft>About the mock-up {_text(row.setting)}.</p>" if row.setting else "",
+            f"<p class=soft>About the mock-up: {_text(row.setting)}.</p>" if row.setting else "",
             _moved(row.is_moved) + _stale(row.stale),
         ]
         if row.facts:

@@ -197,9 +197,12 @@ class _Writer:
 
     def resolved(self) -> list[values.FindingRow]:
         """Findings of the check before that are gone."""
-        earlier = [each for each in self._source.earlier if each.get("status") == "resolved"]
-        table = table_of({"clashes": earlier}, self._source.parts)
-        return [self._finding(None, table, row, {}) for row in range(len(table))]
+        found = self._document.findings
+        if found is None:
+            return []
+        table = table_of({"clashes": found.resolved}, self._source.parts)
+        history = _history(self._source.history)
+        return [self._finding(None, table, row, history) for row in range(len(table))]
 
     def _finding(
         self,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from feeler.errors import FeelerError, LoadError, WorkbenchError
 from feeler.mockup import Mockup
 from feeler.parts import Parts
-from feeler.project.book import CHECK, Book, loads
+from feeler.project.book import Book, loads
 from feeler.project.parts import PartChanges, PartContent, Revision, contents_of, revised
 from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
 from feeler.project.runs import RunFacts, shown_of
@@ -30,8 +31,8 @@ _SOURCES = 1000
 class Source:
     """See the module. mockup: None without its files: no pictures. changes: against the mock-up as it is now.
 
-    stale: how parts changed, by number. earlier: findings that are gone, as JSON. history: of statuses, as JSON.
-    run: the last one of `feeler maintain`. since_run: how the mock-up changed after it.
+    stale: how parts changed, by number. history: of statuses, as JSON. run: the last one of `feeler maintain`.
+    since_run: how the mock-up changed after it.
     """
 
     name: str
@@ -41,7 +42,6 @@ class Source:
     sources: tuple[str, ...]
     answers: Mapping[int, CardAnswer] = field(default_factory=dict)
     history: Sequence[Mapping[str, Any]] = ()
-    earlier: Sequence[Mapping[str, Any]] = ()
     changes: PartChanges = field(default_factory=PartChanges)
     stale: Mapping[int, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -97,8 +97,6 @@ def of_book(
     if kept.aside:
         said.append("Removals, measures and questions of parts that are gone are left out.")
     run = run_facts(book)
-    head = next((row.value for row in rows("facts") if row.id == CHECK), "null")
-    earlier = _object(loads(head, f"{book.path}: the clash check")).get("earlier")
     return Source(
         Path(book.path).name,
         document,
@@ -107,8 +105,7 @@ def of_book(
         sources,
         answers,
         [each for each in (loads(row.value, "the history") for row in rows("history")) if isinstance(each, dict)],
-        [each for each in earlier if isinstance(each, dict)] if isinstance(earlier, list) else [],
-        revision.changes(),
+        book.part_changes(revision),
         {number: str(change) for number, change in revision.stale.items()},
         tuple(said),
         run,
@@ -122,8 +119,9 @@ def of_document(
     answers: Mapping[int, CardAnswer],
     history: Sequence[Mapping[str, Any]] = (),
     run: RunFacts | None = None,
+    renamed: Mapping[str, str] = MappingProxyType({}),
 ) -> Source:
-    """The source of a session's document. history, run: of its project."""
+    """The source of a session's document. history, run, renamed: of its project."""
     project = document.project
     stale = {} if project is None else dict(project.stale)
     by_change: dict[str, list[str]] = {name: [] for name in ("changed", "moved", "new")}
@@ -135,6 +133,7 @@ def of_document(
         tuple(by_change["moved"]),
         tuple(by_change["new"]),
         () if project is None else project.gone,
+        renamed,
     )
     name = document.mockup.name if document.mockup else "mock-up"
     return Source(
@@ -145,7 +144,6 @@ def of_document(
         tuple(Path(each).name for each in mockup.source.files),
         answers,
         history,
-        (),
         changes,
         stale,
         run=run,

@@ -97,8 +97,8 @@ class Place:
     """The subject of questions and jobs.
 
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
-    card. recorded: the record to replay, if there is one. history, run: of a project, statuses and the last run of
-    `feeler maintain`. joint_to: shows a joint at a value. tool: of a card, by its name.
+    card. recorded: the record to replay, if there is one. history, run, renamed: of a project: statuses, the last run
+    of `feeler maintain`, and the names of parts now. joint_to: shows a joint at a value. tool: of a card, by its name.
     """
 
     document: Document
@@ -115,6 +115,7 @@ class Place:
     run: Callable[[], RunFacts | None] = lambda: None
     joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
     tool: Callable[[Card, str], Tool] | None = None
+    renamed: Callable[[], Mapping[str, str]] = dict
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -24,7 +24,8 @@ from feeler.clashes.as_bcf import left_out
 from feeler.clashes.bcf_in import topics_in
 from feeler.clashes.limits import unmatched
 from feeler.clashes.rules import tolerant
-from feeler.clashes.tracking import NEW, Mark
+from feeler.clashes.saving import rows as rows_of
+from feeler.clashes.tracking import NEW, Mark, part_keys
 from feeler.errors import OptionError, WorkbenchError
 from feeler.mockup import Mockup
 from feeler.progress import Progress
@@ -119,12 +120,12 @@ def clash(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
         progress=lambda share, stage: progress(_CHECKED * share, stage),
         parts=None if chosen is None else list(chosen),
     )
-    gone, aside = _tracked(found, document.findings, mockup)
+    resolved, aside = _tracked(found, document.findings, mockup)
     made = findings.findings_of_clashes(found, mockup, document.absent)
     check = Check(settings.clearance, settings.contact, chosen, document.moved, document.out, tuple(document.gripped))
-    made = replace(made, check=check, aside=aside)
+    made = replace(made, check=check, aside=aside, resolved=resolved)
     progress(1.0, "done")
-    return _taken(place, made, gone, [*notes, *advice(found)])
+    return _taken(place, made, len(resolved), [*notes, *advice(found)])
 
 
 def findings_file(place: FindingPlace, given: Arguments, progress: Progress) -> Taken:
@@ -245,22 +246,25 @@ def placed(place: FindingPlace, progress: Progress) -> tuple[Mockup, Scene]:
     return mockup, scene.without(sorted(gone)) if gone else scene
 
 
-def _tracked(found: Clashes, before: Findings | None, mockup: Mockup) -> tuple[int, Mapping[str, Mark]]:
-    """Takes over statuses and notes by id; the number of findings that are gone, and marks of those not looked at."""
+def _tracked(
+    found: Clashes, before: Findings | None, mockup: Mockup
+) -> tuple[tuple[Mapping[str, Any], ...], Mapping[str, Mark]]:
+    """Takes over statuses and notes by id; the findings that are gone, and marks of those not looked at."""
     if before is None:
-        return 0, MappingProxyType({})
-    then = before.table.clashes(mockup, before.mark_of)
-    listed = {*then.ids}
-    elsewhere = (name for name in before.table.ids if name not in listed)  # of parts that are left out
-    then.marks.aside = {**before.aside, **{name: before.mark_of(name) for name in elsewhere}}
-    resolved: set[str] = set()
-    if len(then) or then.marks.aside:
+        return (), MappingProxyType({})
+    keys = part_keys(mockup.part_paths)
+    then = before.table.named_clashes(keys, before.mark_of)
+    marks = {**{name: then.marks.of(name) for name in then.ids}, **before.aside}
+    if {*keys}.isdisjoint(then.keys):  # of another mock-up
+        then = then[:0]
+    then.marks.aside = before.aside
+    resolved: tuple[Mapping[str, Any], ...] = ()
+    if len(then) or before.aside:
         found.diff(then)
-        resolved = {*found.earlier().where(status="resolved").ids}
-    here = {*found.ids, *resolved}
-    marks = {**{name: then.marks.of(name) for name in then.ids}, **then.marks.aside}
+        resolved = tuple(rows_of(found.earlier().where(status="resolved")))
+    here = {*found.ids, *(row["id"] for row in resolved)}
     kept = {name: mark for name, mark in marks.items() if name not in here and (mark != NEW or name in before.members)}
-    return len(resolved), MappingProxyType(kept)
+    return resolved, MappingProxyType(kept)
 
 
 def _taken(place: FindingPlace, found: Findings, gone: int, notes: list[str]) -> Taken:

@@ -49,13 +49,18 @@ class ReportPlace(Protocol):
     def run(self) -> Callable[[], RunFacts | None]:
         """The last run of `feeler maintain`, of a project."""
 
+    @property
+    def renamed(self) -> Callable[[], Mapping[str, str]]:
+        """The key of each renamed part by the one before, of a project."""
+
 
 def report_file(place: ReportPlace, given: Arguments, progress: Progress) -> Written:
     """One page of what was found and done, with its films inside. `pictures`: as of `feeler report`."""
     pictures = given.whole("pictures", 0, _MOST_PICTURES) if given.has("pictures") else PICTURES
     progress(0.0, "report")
     document = place.document
-    source = of_document(document, place.scene.mockup, _answers(place), place.history(), place.run())
+    told = place.history(), place.run(), place.renamed()
+    source = of_document(document, place.scene.mockup, _answers(place), *told)
     report = report_of(source)
     media = media_of(source, report, pictures, lambda share, stage: progress(_DRAWN * share, stage))
     progress(_DRAWN, "writing")

@@ -76,6 +76,7 @@ class Requests:
                 self._run,
                 self.joint_to,
                 lambda card, name: tool_called(hands, document, card, name),
+                dict if self.project is None else self.project.renamed,
             )
 
     def _run(self) -> RunFacts | None:

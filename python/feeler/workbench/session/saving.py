@@ -17,7 +17,7 @@ from typing import Any
 
 from feeler.errors import FeelerError, LoadError
 from feeler.mockup import Mockup, Tool
-from feeler.project.book import CHECK, Book, dumps, loads, now, open_or_make, row_id
+from feeler.project.book import Book, dumps, loads, now, open_or_make, row_id
 from feeler.project.layout import MOST_ROWS, SUFFIX
 from feeler.project.parts import PartContent, Revision, contents_of, rows_of
 from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
@@ -253,10 +253,11 @@ class Saver:
         there = {str(row.get("id")) for row in project.findings()}
         known = {row.value for row in project.rows("findings")}
         is_some_of_them = all(dumps(row) in known for row in rows)  # others are ignored now
-        if not is_some_of_them and there != {str(row["id"]) for row in rows}:
-            yield drop("facts", CHECK)  # of other findings
+        is_same = is_some_of_them or there == {str(row["id"]) for row in rows}
+        yield from keeping.check_changes(project, target.findings, is_same_check=is_same)
         yield from project.findings_changes(rows)
-        yield from project.marks_changes(keeping.finding_marks(target.findings))
+        ended = keeping.ended(project, target.findings)
+        yield from project.marks_changes(keeping.finding_marks(target.findings), ended)
 
     def _opening(
         self,
@@ -313,6 +314,7 @@ def project_of(document: Document, mockup: Mockup) -> bytes:
                 put("facts", "mockup", 0, dumps(about)),
                 *rows_of(contents_of(mockup)),
                 *keeping.changes(None, document),
+                *keeping.check_changes(book, found, is_same_check=False),
                 *book.findings_changes(keeping.finding_rows(found)),
                 *book.marks_changes(keeping.finding_marks(found)),
             ]
