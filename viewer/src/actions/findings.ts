@@ -48,7 +48,10 @@ async function take(wb: Workbench, taken: Taken): Promise<void> {
   showPanel(wb);
   wb.store.findings.set({ part: -1 });
   for (const note of taken.notes.slice(0, 2)) wb.store.notify("warning", note);
-  const gone = taken.gone > 0 ? `, ${taken.gone} of before are gone` : "";
+  const gone =
+    taken.gone > 0
+      ? `; ${taken.gone} of the last check ${taken.gone === 1 ? "is" : "are"} resolved, and in the report`
+      : "";
   wb.store.notify("info", `${taken.count} ${taken.count === 1 ? "finding" : "findings"}${gone}`);
 }
 
