@@ -374,9 +374,9 @@ def test_limits(mockup: feeler.Mockup) -> None:
 
 def test_rows_that_are_not_there_are_named(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
-    with pytest.raises(IndexError, match=f"there is no finding 70: there are {len(found)}, 0 to {len(found) - 1}"):
+    with pytest.raises(IndexError, match=f"there is no row 70: there are {len(found)}, 0 to {len(found) - 1}"):
         found[70]
-    with pytest.raises(TypeError, match="a finding is indexed by its row, not by 'x'"):
+    with pytest.raises(TypeError, match=r"rows are chosen by a number, a slice, .*, not by 'x'"):
         found["x"]  # type: ignore[call-overload]
     wrong: Any
     for wrong in (None, 3, [3]):

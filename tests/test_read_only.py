@@ -84,3 +84,50 @@ def test_writing_into_a_scene_or_an_impact_raises() -> None:
     with pytest.raises(ValueError, match="read-only"):
         hit.pose[0, 0] = 2.0
     assert scene.part_mask.all() and hit.pose[0, 0] == 1.0
+
+
+def test_fields_of_frozen_answers_are_read_only() -> None:
+    """What is written into one would be in all that have the same row."""
+    mockup = feeler.sample("carcass", 10_000)
+    scene = feeler.Scene(mockup, threads=1)
+    bolts = feeler.find_fasteners(mockup)[:2]
+    way, hole = feeler.removal(scene, bolts[0].part, seconds=5.0), feeler.opening(scene, [0, 0, 0.2], [0, 0, 1])
+    row = feeler.access(scene, feeler.sample_tool("wrench"), bolts, threads=1)[0]
+    for array in (bolts[0].frame, way.poses, hole.at, hole.axis, row.pose, bolts[[0]][0].frame):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 7.0
+
+
+def test_rows_are_chosen_by_truths_numbers_and_slices() -> None:
+    mockup = feeler.sample("carcass", 10_000)
+    scene = feeler.Scene(mockup, threads=1)
+    bolts = feeler.find_fasteners(mockup)[:3]
+    reach = feeler.access(scene, feeler.sample_tool("wrench"), bolts, threads=1)
+    tables: list[Any] = [bolts, reach, feeler.catalogue(), feeler.clash(mockup, clearance=0.01)]
+    for table in tables:
+        mask = np.arange(len(table)) % 2 == 0
+        some: tuple[Any, ...] = (
+            mask,
+            mask.tolist(),
+            np.flatnonzero(mask),
+            np.flatnonzero(mask).tolist(),
+            slice(0, None, 2),
+        )
+        for index in some:
+            assert [str(row) for row in table[index]] == [str(row) for n, row in enumerate(table) if n % 2 == 0]
+        assert str(table[np.int64(1)]) == str(table[1]) and str(table[-1]) == str(list(table)[-1])
+        for wrong in ("x", None, [0.5], 1.5):
+            with pytest.raises(TypeError, match="rows are chosen by"):
+                table[wrong]
+        with pytest.raises(IndexError, match="there is no row"):
+            table[len(table)]
+        with pytest.raises(feeler.OptionError, match="does not fit"):
+            table[np.zeros(len(table) + 1, dtype=bool)]
+    pose = np.eye(4)
+    rows: list[Any] = [
+        scene.rays([[0, 0, 1]], [[0, 0, -1]]),
+        scene.distance_batch(feeler.sample_tool("wrench"), [pose]),
+    ]
+    for table in rows:
+        with pytest.raises(TypeError, match="rows are chosen by a number or a slice, not by a str"):
+            table["x"]

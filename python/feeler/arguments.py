@@ -8,7 +8,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,8 @@ _MOST_NAMED = 60
 
 T = TypeVar("T")
 Word = TypeVar("Word", bound=str)
+RowsLike: TypeAlias = slice | npt.NDArray[Any] | Sequence[bool] | Sequence[int]
+"""Several rows of a table: a slice, booleans, one each, or their numbers."""
 
 
 def shown(value: object) -> str:
@@ -194,6 +196,29 @@ def mask_of(value: object) -> npt.NDArray[np.bool_] | None:
     if isinstance(value, (str, bytes)) or not isinstance(value, Sequence) or not len(value):
         return None
     return np.array(value) if all(isinstance(each, (bool, np.bool_)) for each in value) else None
+
+
+def rows_at(index: object, count: int) -> int | list[int]:
+    """The row of a table at a number, or those that a slice, a truth for each row, or several numbers choose. Raises
+    `IndexError`, `TypeError`, and `OptionError` for a mask of another length."""
+    every = range(count)
+    if isinstance(index, slice):
+        return list(every[index])
+    mask = mask_of(index)
+    if mask is not None:
+        if mask.shape != (count,):
+            raise OptionError(f"a mask of shape {mask.shape} does not fit {count} rows: give one entry each")
+        return [int(place) for place in np.flatnonzero(mask)]
+    several = index.tolist() if isinstance(index, np.ndarray) else index
+    try:
+        return [every[each] for each in several] if isinstance(several, list) else every[several]  # type: ignore[index]
+    except IndexError:
+        rows = f"there are {count}, 0 to {count - 1}" if count else "there is none"
+        raise IndexError(f"there is no row {shown(index)}: {rows}") from None
+    except TypeError:
+        raise TypeError(
+            f"rows are chosen by a number, a slice, numbers, or a truth for each row, not by {shown(index)}"
+        ) from None
 
 
 def check_ids(what: str, value: object, count: int) -> npt.NDArray[np.int64]:

@@ -8,20 +8,46 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import functools
 import inspect
 import itertools
 import textwrap
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
+
+import numpy as np
 
 Class = TypeVar("Class", bound=type[Any])
 
 _WIDTH = 100
+_ARRAYS = ("NDArray", "Floats", "Bools", "Ints")
+"""In annotations: an array, and the short names for some kinds of them."""
 
 
 def documented(cls: Class) -> Class:
-    """Adds the texts of the fields to the docstring of a dataclass. Put it above `@dataclass`."""
+    """Adds the texts of the fields to the docstring of a dataclass, and makes arrays in a frozen one read-only. Put it
+    above `@dataclass`."""
+    names = " ".join(str(each.type) for each in dataclasses.fields(cls))
+    if cls.__dataclass_params__.frozen and any(each in names for each in _ARRAYS):
+        cls.__init__ = _with_read_only(cls.__init__, [each.name for each in dataclasses.fields(cls)])
     cls.__doc__ = _Completed(cls.__doc__ or "")  # type: ignore[assignment]  # a class asks descriptors for it, too
     return cls
+
+
+def _with_read_only(init: Callable[..., None], names: Sequence[str]) -> Callable[..., None]:
+    """An `__init__` after which arrays cannot be written into: others may hold the same object."""
+
+    @functools.wraps(init)
+    def made(self: object, *args: object, **values: object) -> None:
+        init(self, *args, **values)
+        for name in names:
+            value = getattr(self, name, None)
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                view = value.view()
+                view.flags.writeable = False
+                object.__setattr__(self, name, view)
+
+    return made
 
 
 class _Completed:

@@ -7,7 +7,7 @@ use numpy::{
     Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyFixedUnicode, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyList, PySlice};
 use pyo3::IntoPyObjectExt;
@@ -122,14 +122,26 @@ pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, PyArra
 }
 
 /// What a sequence is indexed by.
-#[derive(FromPyObject)]
 pub enum Index<'py> {
     /// One item, counted from the end where negative.
-    #[pyo3(annotation = "int")]
     One(isize),
     /// Several, as a list.
-    #[pyo3(annotation = "slice")]
     Several(Bound<'py, PySlice>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Index<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(slice) = object.cast::<PySlice>() {
+            return Ok(Index::Several(slice.to_owned()));
+        }
+        let one = object.extract::<isize>();
+        one.map(Index::One).map_err(|_| {
+            let kind = object.get_type().name().map_or_else(|_| String::new(), |name| format!(", not by a {name}"));
+            PyTypeError::new_err(format!("rows are chosen by a number or a slice{kind}"))
+        })
+    }
 }
 
 /// The item or the items of a sequence of `count`, each a `what`; `item` makes one of its place.

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias, TypeVar, cast, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_text, check_word, mask_of, shown
+from feeler.arguments import RowsLike, check_kind, check_text, check_word, rows_at, shown
 from feeler.choices import Chord, DepthKind, SettableStatus, Severity, Status, VerdictName
 from feeler.clashes.scope import Scope
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
@@ -474,22 +474,10 @@ class Table(OldAttributes, Sequence[Clash]):
     @overload
     def __getitem__(self, index: int) -> Clash: ...
     @overload
-    def __getitem__(self: AnyTable, index: slice | npt.NDArray[Any] | Sequence[bool]) -> AnyTable: ...
-    def __getitem__(self: AnyTable, index: int | slice | npt.NDArray[Any] | Sequence[bool]) -> Clash | AnyTable:
-        mask = mask_of(index)
-        if mask is not None:
-            if mask.shape != (len(self),):
-                raise OptionError(f"a mask of shape {mask.shape} does not fit {len(self)} rows: give one entry each")
-            return self._some(self.columns.rows(mask))
-        if isinstance(index, (slice, np.ndarray)):
-            return self._some(self.columns.rows(index))
-        try:
-            return self._row(range(len(self))[index])  # type: ignore[index]  # refused below
-        except IndexError:
-            rows = f"there are {len(self)}, 0 to {len(self) - 1}" if len(self) else "there is none"
-            raise IndexError(f"there is no finding {index}: {rows}") from None
-        except TypeError:
-            raise TypeError(f"a finding is indexed by its row, not by {shown(index)}: see ids.index(id)") from None
+    def __getitem__(self: AnyTable, index: RowsLike) -> AnyTable: ...
+    def __getitem__(self: AnyTable, index: int | RowsLike) -> Clash | AnyTable:
+        at = rows_at(index, len(self))
+        return self._row(at) if isinstance(at, int) else self._some(self.columns.rows(np.array(at, dtype=np.intp)))
 
     def __iter__(self) -> Iterator[Clash]:
         return (self._row(row) for row in range(len(self)))

@@ -273,5 +273,6 @@ def feeler(
 
     Lengths, times and angles take a unit: 5mm, 0.2in, 2min, 1.05rad. Plain numbers are metres, seconds and degrees.
 
-    Exit status: 0 fine, 1 a finding (a collision, too little clearance, a blocked path), 2 bad input.
+    Exit status: 0 fine, 1 a finding (a collision, too little clearance, a blocked path; of clash what --fail-on names),
+    2 bad input.
     """

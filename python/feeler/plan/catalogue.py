@@ -13,7 +13,18 @@ from typing import Any, overload
 
 import numpy as np
 
-from feeler.arguments import check_array, check_kind, check_list, check_path, check_real, check_text, near, shown
+from feeler.arguments import (
+    RowsLike,
+    check_array,
+    check_kind,
+    check_list,
+    check_path,
+    check_real,
+    check_text,
+    near,
+    rows_at,
+    shown,
+)
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.text import text_of
 from feeler.io.toml import parsed_toml
@@ -61,9 +72,10 @@ class Catalogue(Sequence[ToolSpec]):
     @overload
     def __getitem__(self, index: int) -> ToolSpec: ...
     @overload
-    def __getitem__(self, index: slice) -> Catalogue: ...
-    def __getitem__(self, index: int | slice) -> ToolSpec | Catalogue:
-        return Catalogue(self._rows[index], self._hand) if isinstance(index, slice) else self._rows[index]
+    def __getitem__(self, index: RowsLike) -> Catalogue: ...
+    def __getitem__(self, index: int | RowsLike) -> ToolSpec | Catalogue:
+        at = rows_at(index, len(self))
+        return self._rows[at] if isinstance(at, int) else Catalogue([self._rows[each] for each in at], self._hand)
 
     def __iter__(self) -> Iterator[ToolSpec]:
         return iter(self._rows)

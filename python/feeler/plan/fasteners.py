@@ -10,7 +10,16 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_length, check_list, check_progress, check_text, check_word
+from feeler.arguments import (
+    RowsLike,
+    check_kind,
+    check_length,
+    check_list,
+    check_progress,
+    check_text,
+    check_word,
+    rows_at,
+)
 from feeler.choices import FASTENER_KINDS, FastenerKind
 from feeler.errors import MeshError
 from feeler.field_docs import documented
@@ -125,9 +134,10 @@ class Fasteners(Sequence[Fastener]):
     @overload
     def __getitem__(self, index: int) -> Fastener: ...
     @overload
-    def __getitem__(self, index: slice) -> Fasteners: ...
-    def __getitem__(self, index: int | slice) -> Fastener | Fasteners:
-        return Fasteners(self._rows[index]) if isinstance(index, slice) else self._rows[index]
+    def __getitem__(self, index: RowsLike) -> Fasteners: ...
+    def __getitem__(self, index: int | RowsLike) -> Fastener | Fasteners:
+        at = rows_at(index, len(self))
+        return self._rows[at] if isinstance(at, int) else Fasteners([self._rows[each] for each in at])
 
     def __iter__(self) -> Iterator[Fastener]:
         return iter(self._rows)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, overload
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_flag, check_kind, check_list
+from feeler.arguments import RowsLike, check_flag, check_kind, check_list, rows_at
 from feeler.field_docs import documented
 from feeler.plan.blocked import Blocker
 from feeler.renamed import OldAttributes
@@ -106,9 +106,10 @@ class Access(OldAttributes, Sequence[Reach]):
     @overload
     def __getitem__(self, index: int) -> Reach: ...
     @overload
-    def __getitem__(self, index: slice) -> list[Reach]: ...
-    def __getitem__(self, index: int | slice) -> Reach | list[Reach]:
-        return list(self._rows[index]) if isinstance(index, slice) else self._rows[index]
+    def __getitem__(self, index: RowsLike) -> list[Reach]: ...
+    def __getitem__(self, index: int | RowsLike) -> Reach | list[Reach]:
+        at = rows_at(index, len(self))
+        return self._rows[at] if isinstance(at, int) else [self._rows[each] for each in at]
 
     def __iter__(self) -> Iterator[Reach]:
         return iter(self._rows)
