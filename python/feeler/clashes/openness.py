@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -38,8 +39,13 @@ def open_holders(
 
 def _holders(mockup: Mockup, present: npt.NDArray[np.bool_]) -> list[int]:
     """The parts whose box contains the box of another part, ascending."""
-    bounds = mockup.part_bounds.reshape(-1, 2, 3)
-    parts = np.flatnonzero(present & (bounds[:, 0] <= bounds[:, 1]).all(axis=1))
+    return _holders_of(mockup.part_bounds.tobytes(), present.tobytes())
+
+
+@lru_cache(maxsize=2)  # requirements are many questions about one scene
+def _holders_of(boxes: bytes, present: bytes) -> list[int]:
+    bounds = np.frombuffer(boxes).reshape(-1, 2, 3)
+    parts = np.flatnonzero(np.frombuffer(present, dtype=bool) & (bounds[:, 0] <= bounds[:, 1]).all(axis=1))
     return [int(part) for part in parts[_containing(bounds[parts, 0], bounds[parts, 1])]]
 
 
