@@ -64,6 +64,22 @@ def test_what_lies_on_a_flush_countersunk_head_is_not_held_by_it(sunk: float) ->
     assert steps(task) == [("undo", ("bolt",)), ("take out", ("wheel",))], task.blocked
 
 
+@pytest.mark.parametrize(("gap", "is_out"), [(0.0001, True), (-0.0001, False)])
+def test_a_bolt_needs_no_more_room_than_its_length(gap: float, is_out: bool) -> None:
+    """Below a panel that stays; its shank is 80 mm long."""
+    bolt = moved(plain(hardware.hex_bolt(0.008, 0.08, USUAL)), z=0.01)
+    top = float(bolt[0][:, 2].max()) + 0.08 + gap
+    parts = {
+        "block": ring(CLEAR, 0.0, 0.01),
+        "base": ring(FITTED, -0.08, 0.0),
+        "bolt": bolt,
+        "panel": box((-0.1, -0.1, top), (0.1, 0.1, top + 0.01)),
+    }
+    for seed in range(2):
+        task = feeler.task(feeler.Scene(tilted(parts, seed)), "block", keep=["base", "panel"])
+        assert task.is_found is is_out, (seed, task.blocked)
+
+
 @pytest.mark.parametrize("is_inside_out", [False, True])
 def test_what_is_around_a_head_and_ends_below_it_is_not_held(is_inside_out: bool) -> None:
     """A foam that is drawn through the head of a bolt, down to the plate that it bears on."""

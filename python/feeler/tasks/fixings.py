@@ -35,7 +35,9 @@ RINGS = ("circlip", "cotter")
 LOCKS = ("cotter", "pin", "dowel")
 """Kinds that keep a fastener that they go through from turning."""
 BEYOND = 1.02
-"""How far a fastener is drawn, in lengths of its thread."""
+"""How far what stays on a part is looked for, in lengths of its thread."""
+CLEAR_M = 1e-5
+"""How far a fastener is drawn beyond the length of its thread."""
 _ROUND_NUT = 1.3
 """The width of a nut without flats, in diameters of its bore: rays into its bore begin there."""
 _BESIDE = 8
@@ -270,9 +272,9 @@ class Fixings:
         size, engaged = self._engaged(row, hold)
         turns = self.times.turns(row.path, nominal(row, size), engaged)
         length = row.length if math.isfinite(row.length) else 0.0
-        travel = BEYOND * max(engaged if math.isfinite(engaged) else 0.0, length)
+        travel = CLEAR_M + max(engaged if math.isfinite(engaged) else 0.0, length)
         if self.captive_on(part) is not None and part in self._free:
-            travel = min(BEYOND * engaged, self._free[part])
+            travel = min(CLEAR_M + engaged, self._free[part])
         return Fixing(hold, row, turns, travel)
 
     def _engaged(self, row: Fastener, hold: Hold) -> tuple[float, float]:
