@@ -223,8 +223,9 @@ test-page: $(NODE_MODULES) ## the workbench's page without a browser: node --tes
 test-browser: $(NODE_MODULES) ## the page's picture, sound and VR in a Chromium (FEELER_CHROMIUM=: another than /usr/bin/chromium)
 	@npm run test:browser --prefix viewer --silent
 
-# Three processes, by the names of the files, for `make -j3`: much of their time is waiting. What is asked for by PYTEST_ARGS runs in one.
-SHARES := $(addprefix test-python-,first second third)
+# Three processes, by the names of the files, for `make -j3`: much of their time is waiting. The longest begins first. What is asked
+# for by PYTEST_ARGS runs in one.
+SHARES := $(addprefix test-python-,third second first)
 .PHONY: test-python $(SHARES)
 ifeq ($(strip $(PYTEST_ARGS)),)
 test-python: $(SHARES) ## pytest: warnings are errors, every test has a time-out
