@@ -478,7 +478,7 @@ def test_entities_are_refused(tmp_path):
     )
     with pytest.raises(LoadError, match="document type") as told:
         load(tmp_path, text)
-    assert "UTF-8" not in str(told.value), "its encoding is not what is wrong"
+    assert "UTF-8" not in str(told.value), "the encoding is right, and the advice would be wrong"
     path = tmp_path / "wide.dae"
     path.write_bytes(text.replace('version="1.0"?>', 'version="1.0" encoding="utf-16"?>', 1).encode("utf-16"))
     with pytest.raises(LoadError, match="document type"):

@@ -1,4 +1,4 @@
-"""The meshes that `Mockup` and `Tool` take, as types: arrays, and objects of other libraries by what they have."""
+"""The types of the meshes that `Mockup` and `Tool` take: arrays, and objects of other libraries by their attributes."""
 
 from __future__ import annotations
 

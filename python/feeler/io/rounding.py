@@ -17,7 +17,7 @@ _DIGITS_IN_SINGLE, _DIGITS_OF_SINGLE = 7, 9
 """Decimal digits that single precision always holds, and the most with which programs print such a number."""
 _SAMPLE = 1000
 _MANY, _SOME = 8, 4
-"""Long numbers that end with zeros, and shorter ones that do not: so many are no accident."""
+"""So many long numbers that end with zeros, and shorter ones that do not, show that a program cut the digits."""
 _NOISE = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a few digits may differ from its double, as a share: by rounding, here and in the reader."""
 

@@ -39,7 +39,7 @@ def asks_beside(actions: Actions, leading: Leading, steps: Sequence[Ordered], se
 
 
 def _least(actions: Actions, item: int, riding: frozenset[int]) -> float:
-    """The least seconds of what holds a part, and of the part; infinite if something holds it that stays."""
+    """The least seconds to undo what holds a part and to take it out; infinite if something that stays holds it."""
     joints = actions.holders(item, riding)
     held = [min((actions.least(each) for each in joint), default=math.inf) for joint in joints]
     return math.fsum(held) + actions.by_hand([item]).seconds
