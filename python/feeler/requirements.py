@@ -141,10 +141,10 @@ def verify(
     """Whether each requirement holds in a scene, in their order. Parts that the scene is without do not count.
 
     Distances are exact. A requirement still holds where only rounding makes the gap too small: 32 units in the last
-    place of the largest coordinate, and four times the rounding of the files (`mockup.source.rounding`). Parts that overlap,
-    or of which one is inside the other, violate every requirement. threads: default all. progress: called with the
-    share done (0 to 1) and the stage. Raises `OptionError` for invalid requirements, and patterns that match no part;
-    `MissingFileError` and `LoadError` for their file.
+    place of the largest coordinate, and four times the rounding of the files (`mockup.source.rounding`). Parts that
+    overlap, or of which one is inside the other, violate every requirement. threads: default all. progress: called with
+    the share done (0 to 1) and the stage. Raises `OptionError` for invalid requirements, and patterns that match no
+    part; `MissingFileError` and `LoadError` for their file.
     """
     given: object = scene
     if not isinstance(given, (Scene, Mockup)):
