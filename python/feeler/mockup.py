@@ -20,6 +20,7 @@ from feeler.choices import DefectKind, UnitName
 from feeler.errors import MeshError, OptionError
 from feeler.field_docs import documented
 from feeler.mesh_types import ArrayOfInts, ArrayOfRows, MeshSource
+from feeler.part_meshes import PartMeshes
 from feeler.parts import Parts, PartsLike
 from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
@@ -210,6 +211,11 @@ class _Attributed:
         self.__dict__["part_colours"] = None if given is None else _colours_of_parts(given, self.part_count)
 
     @cached_property
+    def _remembered(self) -> dict[Any, Any]:
+        """What questions found of its parts as they are, by question: asked again, they look here. Not pickled."""
+        return {}
+
+    @cached_property
     def _part_attributes(self) -> Attributes | None:
         """Those of its file, unless others were given."""
         return None if self._saved is None else self._saved.attributes
@@ -371,7 +377,7 @@ class Mockup(_Attributed, _core.Mockup):
         attributes = {
             name: value
             for name, value in self.__dict__.items()
-            if name not in ("_saved", "_modelled", "_moves", "_boxes")
+            if name not in ("_saved", "_modelled", "_moves", "_boxes", "_remembered")
         }
         file = self._saved
         if file is not None and file.is_there:
@@ -491,24 +497,25 @@ class Tool(_Attributed, _core.Tool):
         chosen = np.arange(mockup.part_count) if parts is None else mockup.parts.select(parts)
         if not len(chosen):
             raise OptionError("no part is named: a tool needs one at least")
-        place = np.full(mockup.part_count, -1)
-        place[chosen] = np.arange(len(chosen))
-        part_of_face = place[mockup.part_of_face]
-        faces = mockup.faces[part_of_face >= 0]
+        meshes = PartMeshes.of(mockup)
+        triangles = [meshes.triangles(int(part)) for part in chosen]
+        order = np.argsort(np.concatenate(triangles), kind="stable")
+        part_of_face = np.repeat(np.arange(len(chosen)), [len(each) for each in triangles])[order]
+        faces = mockup.faces[np.concatenate(triangles)[order]]
         used = np.unique(faces)
         used = used[used < len(mockup.vertices)]
-        index = np.full(len(mockup.vertices), _OUT_OF_RANGE, dtype=np.uint32)
-        index[used] = np.arange(len(used), dtype=np.uint32)
+        low, high = (int(used[0]), int(used[-1]) + 1) if len(used) else (0, 0)
         # Indices out of range stay out of range.
-        index = np.append(index, np.uint32(_OUT_OF_RANGE))
-        faces = index[np.minimum(faces, len(mockup.vertices))]
+        index = np.full(high - low + 1, _OUT_OF_RANGE, dtype=np.uint32)
+        index[used - low] = np.arange(len(used), dtype=np.uint32)
+        faces = index[np.where(faces < len(mockup.vertices), faces, high) - low]
         names, paths = ([each[i] for i in chosen] for each in (mockup.part_names, mockup.part_paths))
         if name is None:
             name = names[0] if len(names) == 1 else f"{len(names)} parts"
         if not len(faces):
             raise MeshError(f"{_first(paths)}: there are no triangles to make a tool of")
         try:
-            tool = cls(mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths)
+            tool = cls(mockup.vertices[used], faces, name, part_of_face, names, part_paths=paths)
         except MeshError as error:  # of a mesh, which the caller knows as parts
             raise MeshError(f"{_first(paths)}: {str(error).replace(' of the tool', '', 1)}") from None
         tool.source = mockup.source

@@ -229,15 +229,24 @@ class Fixings:
         before it meets that."""
         if not (math.isfinite(row.length) and has_neck(self._meshes.mesh(row.part)[0], row)):
             return None
-        own = Tool.of_parts(self.scene.mockup, [row.part])
-        far = BEYOND * row.length
-        free = {each: free_travel(self.scene.only([each]), own, row.axis, far) for each in held if each != hold.anchor}
+        free = {each: self._free_travel(row, each) for each in held if each != hold.anchor}
         met = [(travel, each) for each, travel in free.items() if travel is not None]
         if not met:
             return None
         travel, first = min(met)
         self._free[row.part] = travel
         return first if self._engaged(row, hold)[1] <= travel else None
+
+    def _free_travel(self, row: Fastener, part: int) -> float | None:
+        """How far a screw is drawn out of a part before it meets it, metres; None if it comes out. All plans ask it of
+        all screws."""
+        mockup, far = self.scene.mockup, BEYOND * row.length
+        question = ("free travel", row.part, part, far, tuple(row.axis.tolist()))
+        if question not in mockup._remembered:
+            own = Tool.of_parts(mockup, [row.part])
+            mockup._remembered[question] = free_travel(self.scene.only([part]), own, row.axis, far)
+        known: float | None = mockup._remembered[question]
+        return known
 
     def _grips(self, hold: Hold) -> tuple[int, ...]:
         """What the clamps that a fastener closes hold a hose on, if it is fastened in nothing else."""

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from feeler.scene import PartNumber
 from feeler.tasks.digests import short
-from feeler.tasks.regions import GROWN_M, Regions, near
+from feeler.tasks.regions import GROWN_M, Columns, Regions, near
 from feeler.tasks.snapshots import Changes, Snapshot
 
 Bools = npt.NDArray[np.bool_]
@@ -105,7 +105,9 @@ class Memory:
         """What questions call a part: its triangles and their place; with its path, where another one is equal."""
         seen = list(snapshot.parts.values())
         self._seen = seen
-        self._bounds = np.array([each.box for each in seen]).reshape(-1, 2, 3)
+        bounds = np.array([each.box for each in seen]).reshape(-1, 2, 3)
+        self._endless: Bools = np.logical_not(np.isfinite(bounds).all(axis=(1, 2)))
+        self._boxes = Columns(bounds + GROWN_M * np.array([[-1.0], [1.0]]))
         self._known: dict[str, dict[str, _Known]] = {}
         self._lock = threading.Lock()
         self.take(answers)
@@ -191,10 +193,9 @@ class Memory:
 
     def _near(self, regions: Regions) -> list[int]:
         """The parts whose boxes are where a question looked."""
-        lower, upper = self._bounds[:, 0] - GROWN_M, self._bounds[:, 1] + GROWN_M
-        found: Bools = np.logical_not(np.isfinite(self._bounds).all(axis=(1, 2)))
+        found = self._endless.copy()
         for low, high in regions.around():
-            found = found | ((lower <= high) & (upper >= low)).all(axis=1)
+            found |= self._boxes.meeting(low, high)
         return [int(n) for n in np.flatnonzero(found)]
 
 

@@ -22,6 +22,7 @@ from feeler.plan.reaching import APPROACH_M, access, quickest
 from feeler.plan.tool_seat import seated_tool
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.digests import digest_of, facts_of
+from feeler.tasks.regions import Columns
 from feeler.tasks.times import strokes_for
 
 Floats = npt.NDArray[np.float64]
@@ -125,7 +126,7 @@ class Reaching:
         self.catalogue = _catalogue(tools)
         self.tools = () if self.catalogue is not None or tools is None else _tools(tools)
         self._off = frozenset[int]()
-        self._bounds = scene.mockup.part_bounds.reshape(-1, 2, 3)
+        self._boxes = Columns(scene.mockup.part_bounds.reshape(-1, 2, 3))
         self._near: dict[int, frozenset[int]] = {}
         self._known: dict[int, dict[frozenset[int], Reached]] = {}
         self._enough: dict[int, int] = {}
@@ -204,8 +205,7 @@ class Reaching:
         if row.part not in self._near:
             found: set[int] = set()
             for lower, upper in self._rooms(row):
-                meets = ((self._bounds[:, 0] <= upper) & (self._bounds[:, 1] >= lower)).all(axis=1)
-                found.update(np.flatnonzero(meets & self.scene.part_mask).tolist())
+                found.update(np.flatnonzero(self._boxes.meeting(lower, upper) & self.scene.part_mask).tolist())
             self._near[row.part] = frozenset(found) - {row.part}
         return self._near[row.part]
 

@@ -115,6 +115,21 @@ class Regions:
         return cls(bool(data["is_all"]), boxes, sweeps, solids, frozenset(str(each) for each in data["asked"]))
 
 
+class Columns:
+    """Boxes `(n, 2, 3)` by coordinate: asked many times for those that meet another."""
+
+    def __init__(self, boxes: Floats) -> None:
+        self._lower, self._upper = np.ascontiguousarray(boxes.transpose(1, 2, 0))
+
+    def meeting(self, lower: Floats, upper: Floats) -> Bools:
+        """`(n,)`: which of them meet a box `(3,)`, `(3,)`; boxes with NaN meet none."""
+        found = np.ones(self._lower.shape[1], dtype=bool)
+        for low, high, begin, end in zip(self._lower, self._upper, lower.tolist(), upper.tolist(), strict=True):
+            found &= low <= end
+            found &= high >= begin
+        return found
+
+
 def near(regions: Sequence[Regions], bounds: Floats) -> Bools:
     """Whether `bear` of regions may be true of boxes `(n, 2, 3)`, by boxes around sweeps: `(len(regions), n)`."""
     looked = [each.around() for each in regions]
