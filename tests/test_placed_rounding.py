@@ -10,7 +10,10 @@ import numpy.typing as npt
 import pytest
 from loading import save
 from shapes import box
-from test_io_builders import Gltf
+from test_io_3mf import item, model
+from test_io_builders import Gltf, zipped
+from test_io_collada import INPUT, dae, geometry, node, scene
+from test_io_collada import row as numbers_of
 
 import feeler
 from feeler.io import load_mockup
@@ -106,3 +109,71 @@ def test_single_precision_in_text_is_known_by_its_numbers() -> None:
         assert of_numbers(np.array(text, dtype=np.float64)) == truth
     decimals = np.round(rng.uniform(-2.0, 2.0, (200, 3)), 8)
     assert of_numbers(decimals) == pytest.approx(5e-9)
+
+
+UNIT, SIDES = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+
+
+def turn_of(*quaternion: float) -> Floats:
+    return matrix_of(np.array(quaternion) / np.linalg.norm(quaternion))
+
+
+TURNED = turn_of(0.28, 0.64, -0.17, 0.69)
+PLACES = {
+    "none": (np.eye(3), np.zeros(3)),
+    "moved": (np.eye(3), np.array([1.0, 2.0, 3.0])),
+    "turned": (turn_of(-0.5, 0.1, 0.3, 0.8), np.zeros(3)),
+}
+"""Of nodes, in 17 digits: they have no rounding of their own."""
+
+
+def collada(cubes: list[Floats], place: str) -> bytes:
+    turn, move = PLACES[place]
+    matrix = np.vstack([np.column_stack([turn, move]), [0.0, 0.0, 0.0, 1.0]])
+    own = "" if place == "none" else f"<matrix>{numbers_of(matrix)}</matrix>"
+    uses = [node(f'{own}<instance_geometry url="#g{n}"/>', f"n{n}") for n in range(len(cubes))]
+    faces = f"<p>{numbers_of(SIDES)}</p>"
+    shapes = [
+        geometry(f"g{n}", f'<triangles count="12">{INPUT.format(f"g{n}")}{faces}</triangles>', cube)
+        for n, cube in enumerate(cubes)
+    ]
+    return dae(scene("".join(uses)), "".join(shapes)).encode()
+
+
+def threemf(cubes: list[Floats], place: str) -> bytes:
+    turn, move = PLACES[place]
+    own = "" if place == "none" else numbers_of(np.concatenate([turn.T.ravel(), move]))
+    objects = []
+    for n, cube in enumerate(cubes):
+        vertices = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in cube.tolist())
+        triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in SIDES.tolist())
+        mesh = f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
+        objects.append(f'<object id="{n + 1}">{mesh}</object>')
+    items = "".join(item(n + 1, own) for n in range(len(cubes)))
+    return zipped({"3D/3dmodel.model": model("".join(objects), items)})
+
+
+@pytest.mark.parametrize("place", list(PLACES))
+@pytest.mark.parametrize(("digits", "rounding"), [("%.6f", 5e-7), ("%.9g", 5e-9), ("%.6g", 5e-6)])
+@pytest.mark.parametrize(("make", "metre"), [(collada, 1.0), (threemf, 1e-3)])
+def test_text_has_its_rounding_however_a_node_places_it(
+    tmp_path: Path, make: Any, metre: float, digits: str, rounding: float, place: str
+) -> None:
+    """The numbers of a turned part have all digits: those of its file count."""
+    exact = [(UNIT + step) @ TURNED.T for step in ([0.0, 0.0, 0.0], [1.0, 0.25, 0.125], [0.0, 0.0, 0.0])]
+    exact[2] = exact[2] + [3.0, 0.0, 0.0]
+    cubes = [np.array([[float(digits % number) for number in point] for point in cube]) for cube in exact]
+    mockup = load_mockup(save(tmp_path, "cubes.dae" if make is collada else "cubes.3mf", make(cubes, place)))
+    assert mockup.source.rounding == pytest.approx(rounding * metre, rel=1e-3)
+    assert [each.verdict for each in feeler.clash(mockup, clearance=0.0)] == [feeler.Verdict.CONTACT]
+
+
+@pytest.mark.parametrize("angle", ["30.123456", "33.5"])
+def test_turns_of_few_digits_have_their_rounding(tmp_path: Path, angle: str) -> None:
+    """An angle of eight digits is off by half a unit in the last one; 33.5 degrees are meant as they are."""
+    far = UNIT + np.array([10.0, 0.0, 0.0])
+    turn = f'<rotate>0 0 1 {angle}</rotate><instance_geometry url="#g0"/>'
+    text = collada([far], "none").decode().replace('<instance_geometry url="#g0"/>', turn)
+    off = np.radians(5e-7) * np.linalg.norm([10.5, 0.5, 0.5]) if angle == "30.123456" else 0.0
+    own = of_numbers(far)
+    assert load_mockup(save(tmp_path, "far.dae", text.encode())).source.rounding == pytest.approx(own + off, rel=1e-6)

@@ -18,8 +18,8 @@ class Source:
     skipped files, an implausible size or inconsistent axes. chord_tolerance: the chordal error, metres; None if
     unknown. rounding: the largest rounding error of a coordinate in the files, metres; 0 for double precision and
     arrays. In text it follows from the digits; numbers of less than six digits count as exact, and
-    whole numbers too, unless longer ones all end with zeros and shorter ones do not. In glTF and STEP it has
-    the rounding of placements, which grows with the distance of a part from the origins of its assemblies.
+    whole numbers too, unless longer ones all end with zeros and shorter ones do not. In glTF, COLLADA, 3MF and STEP
+    it has the rounding of placements, which grows with the distance of a part from the origins of its assemblies.
     """
 
     files: tuple[str, ...] = ()

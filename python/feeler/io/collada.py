@@ -19,6 +19,7 @@ from feeler.io.collada_skin import Controllers
 from feeler.io.limits import MAX_DEPTH, MAX_PARTS, check_mesh
 from feeler.io.placing import IDENTITY, Matrix, facing, multiply, shift_indices, transform
 from feeler.io.raw import Axis, PathBook, RawMesh, clean_name
+from feeler.io.rounding import PlacementErrors, of_numbers
 from feeler.io.tally import Tally
 from feeler.io.units import Unit
 from feeler.progress import Progress
@@ -41,6 +42,7 @@ class _Open(NamedTuple):
     node: Element
     above: str
     world: Matrix
+    row: int  # among the errors of placements
     depth: int
     inside: frozenset[int]  # the nodes of the library that it is an instance in
 
@@ -50,6 +52,7 @@ class _Use(NamedTuple):
 
     element: Element
     world: Matrix
+    row: int
     above: str
     skeletons: tuple[str, ...]
 
@@ -60,6 +63,8 @@ class _Reader:
         self.tally = Tally()
         self.meshes = MeshReader(document, self.tally)
         self.uses: list[_Use] = []
+        self.errors = PlacementErrors()
+        self.placed: list[tuple[Mesh, Matrix, int]] = []
         self.worlds: dict[int, Matrix] = {}
         self.notes: list[str] = []
         self.book = PathBook()
@@ -85,6 +90,12 @@ class _Reader:
             if progress and not number % 256:
                 progress(0.4 + 0.6 * number / len(self.uses), f"reading {self.document.path.name}")
         self._check_looks()
+        own, errors = of_numbers(self.meshes.vertices()), self.errors.bounds()
+        place = [errors[row] if row >= 0 else (0.0, 0.0) for _, _, row in self.placed]
+        rounding = [
+            self.errors.placed(own, mesh.vertices, world, each)
+            for (mesh, world, _), each in zip(self.placed, place, strict=True)
+        ]
         part_of_face = np.repeat(np.arange(len(self.names), dtype=np.uint32), [len(f) for f in self.faces[1:]])
         return RawMesh(
             np.concatenate(self.vertices),
@@ -96,6 +107,7 @@ class _Reader:
             notes=self.notes + self.tally.notes(),
             doubts=self.tally.doubts(),
             up=up,
+            rounding=max(rounding, default=0.0),
         )
 
     def _asset(self) -> tuple[Unit, Axis]:
@@ -153,28 +165,29 @@ class _Reader:
         geometries = [g for library in root.all("library_geometries") for g in library.all("geometry")]
         if geometries:
             self.notes.append("the file has geometries and no scene: each was taken once, where it lies")
-        self.uses += [_Use(geometry, IDENTITY, "", ()) for geometry in geometries]
+        self.uses += [_Use(geometry, IDENTITY, -1, "", ()) for geometry in geometries]
         return []
 
     def _walk(self, roots: list[Element]) -> None:
         """Visit every node, without recursion. Nodes may be shared: a small file can describe an enormous scene."""
         document = self.document
-        stack = [_Open(node, "", IDENTITY, 0, frozenset()) for node in reversed(roots)]
+        stack = [_Open(node, "", IDENTITY, -1, 0, frozenset()) for node in reversed(roots)]
         visits = 0
         while stack:
-            node, above, world, depth, inside = stack.pop()
+            node, above, world, row, depth, inside = stack.pop()
             visits += 1
             if visits > MAX_PARTS:
                 raise document.fail(f"the scene has more than {MAX_PARTS:,} nodes")
             if depth > MAX_DEPTH:
                 raise document.fail(f"the assembly is more than {MAX_DEPTH} levels deep")
-            world = multiply(world, local_matrix(document, node))
+            local, row = local_matrix(document, node, self.errors, row)
+            world = multiply(world, local)
             self.worlds.setdefault(id(node), world)
             path = self.book.claim(above, name_of(node, "node"))
             below: list[_Open] = []
             for child in node.children:
                 if child.tag == "node":
-                    below.append(_Open(child, path, world, depth + 1, inside))
+                    below.append(_Open(child, path, world, row, depth + 1, inside))
                 elif child.tag == "instance_node":
                     target = document.find(child.attributes.get("url"), "node")
                     if target is None:
@@ -182,20 +195,20 @@ class _Reader:
                     elif id(target) in inside:
                         raise document.fail(f"the node {name_of(target, '')!r} contains itself", child)
                     else:
-                        below.append(_Open(target, path, world, depth + 1, inside | {id(target)}))
+                        below.append(_Open(target, path, world, row, depth + 1, inside | {id(target)}))
                 elif child.tag == "instance_geometry":
                     geometry = document.find(child.attributes.get("url"), "geometry")
                     if geometry is None:
                         self._add_missing("geometries", child)
                     else:
-                        self.uses.append(_Use(geometry, world, path, ()))
+                        self.uses.append(_Use(geometry, world, row, path, ()))
                 elif child.tag == "instance_controller":
                     controller = document.find(child.attributes.get("url"), "controller")
                     if controller is None:
                         self._add_missing("controllers", child)
                     else:
                         skeletons = tuple(skeleton.text.strip() for skeleton in child.all("skeleton"))
-                        self.uses.append(_Use(controller, world, path, skeletons))
+                        self.uses.append(_Use(controller, world, row, path, skeletons))
             stack.extend(reversed(below))
 
     def _add_missing(self, what: str, instance: Element) -> None:
@@ -215,6 +228,7 @@ class _Reader:
         base = self.vertex_count - len(mesh.vertices)
         self.vertices.append(transform(mesh.vertices, use.world))
         self.faces.append(shift_indices(facing(mesh.faces, use.world), base, len(mesh.vertices)))
+        self.placed.append((mesh, use.world, use.row))
         self.names.append(name)
         self.paths.append(self.book.claim(use.above, name))
 

@@ -10,22 +10,32 @@ from numpy.typing import NDArray
 
 from feeler.io.collada_document import Document, Element
 from feeler.io.placing import IDENTITY, Matrix, multiply
+from feeler.io.rounding import PlacementErrors, errors_of
 
 Numbers = NDArray[np.float64]
 
 
-def local_matrix(document: Document, node: Element) -> Matrix:
-    """Return parent_from_node: the product of the transforms of a node, the first one outermost."""
-    matrix = IDENTITY
+def local_matrix(document: Document, node: Element, errors: PlacementErrors, above: int) -> tuple[Matrix, int]:
+    """Return parent_from_node: the product of the transforms of a node, the first one outermost; and its number among
+    the errors of placements. above: that of its parent."""
+    matrix, row = IDENTITY, above
     for child in node.children:
         if child.tag in _KINDS:
             count, make = _KINDS[child.tag]
+            numbers = document.floats(child, count)
             try:
-                made = make(document.floats(child, count))
+                made = make(numbers)
             except ValueError as error:
                 raise document.fail(f"<{child.tag}> {error}", child) from None
             matrix = multiply(matrix, made)
-    return matrix
+            row = errors.add(row, made, share=_turn_error(numbers) if child.tag == "rotate" else 0.0)
+    return matrix, row
+
+
+def _turn_error(numbers: Numbers) -> float:
+    """By how much axis and angle may be off in text, radians."""
+    off = errors_of(numbers)
+    return 2.0 * float(np.linalg.norm(off[:3]) / np.linalg.norm(numbers[:3])) + math.radians(float(off[3]))
 
 
 def _matrix(numbers: Numbers) -> Matrix:

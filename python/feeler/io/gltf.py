@@ -8,7 +8,6 @@ skins are taken at rest; animations are not played.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -64,7 +63,8 @@ def read_gltf(
         if not len(mesh.faces):
             continue
         points, triangles = placer.place(instance, mesh)
-        rounding = max(rounding, _placed_rounding(mesh, instance, errors))
+        place = errors[instance.row] if instance.row >= 0 else (0.0, 0.0)
+        rounding = max(rounding, graph.errors.placed(mesh.rounding, mesh.vertices, instance.world, place))
         vertices.append(points)
         faces.append(shift_indices(triangles, base, len(points)))
         base += len(points)
@@ -94,24 +94,6 @@ def read_gltf(
         nodes=nodes,
         rounding=rounding,
     )
-
-
-def _placed_rounding(mesh: Mesh, instance: Instance, errors: list[tuple[float, float]]) -> float:
-    """The rounding of a part: that of its mesh, as its matrix scales it, and that of the places of its nodes."""
-    share, rest = errors[instance.row] if instance.row >= 0 else (0.0, 0.0)
-    with np.errstate(all="ignore"):
-        scale = float(np.sqrt(np.square(instance.world[:3, :3]).sum(axis=0)).max())
-        far = 0.0
-        if share > 0.0:
-            far = float(
-                np.sqrt(
-                    np.square(
-                        np.abs(mesh.vertices[np.isfinite(mesh.vertices).all(axis=1)]).max(axis=0, initial=0.0)
-                    ).sum()
-                )
-            )
-        found = mesh.rounding * scale + share * far + rest
-    return found if math.isfinite(found) else 0.0
 
 
 class _Attributes(Stated):

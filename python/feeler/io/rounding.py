@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -86,14 +87,19 @@ class PlacementErrors:
     """How far off nodes place their points, by the digits of their transforms and of those above them."""
 
     def __init__(self) -> None:
-        self._rows: list[tuple[int, NDArray[np.float64], Sequence[float] | None, Sequence[float]]] = []
+        self._rows: list[tuple[int, NDArray[np.float64], Sequence[float] | None, Sequence[float], float]] = []
 
     def add(
-        self, above: int, local: NDArray[np.float64], turn: Sequence[float] | None, scale: Sequence[float] = (1.0,) * 3
+        self,
+        above: int,
+        local: NDArray[np.float64],
+        turn: Sequence[float] | None = None,
+        scale: Sequence[float] = (1.0,) * 3,
+        share: float = 0.0,
     ) -> int:
         """A node below another one, or -1, with its matrix `(4, 4)`, and the quaternion and scale that this is made of,
-        if it is. Returns its number."""
-        self._rows.append((above, local, turn, scale))
+        if it is. share: an error that its numbers do not show, in units of the distance. Returns its number."""
+        self._rows.append((above, local, turn, scale, share))
         return len(self._rows) - 1
 
     def bounds(self) -> list[tuple[float, float]]:
@@ -108,7 +114,8 @@ class PlacementErrors:
             of_turn = 2.0 * np.linalg.norm(errors_of(turns), axis=1) / np.linalg.norm(turns, axis=1)
             of_parts = of_turn * np.abs(scales).max(axis=1) + errors_of(scales).max(axis=1)
             of_matrix = np.linalg.norm(errors_of(matrices[:, :3, :3]), axis=(1, 2))
-            shares = np.where([row[2] is None for row in self._rows], of_matrix, of_parts).tolist()
+            shares = np.where([row[2] is None for row in self._rows], of_matrix, of_parts)
+            shares = (shares + [row[4] for row in self._rows]).tolist()
             moves = np.linalg.norm(matrices[:, :3, 3], axis=1).tolist()
             rests = np.linalg.norm(errors_of(matrices[:, :3, 3]), axis=1).tolist()
         found: list[tuple[float, float]] = []
@@ -121,6 +128,22 @@ class PlacementErrors:
                 (share_above * size + scale_above * share, share_above * move + rest_above + scale_above * rest)
             )
         return found
+
+    @staticmethod
+    def placed(
+        own: float, vertices: NDArray[np.float64], world: NDArray[np.float64], errors: tuple[float, float]
+    ) -> float:
+        """The error of vertices with an error of their own that a node places: as its matrix in the world scales it,
+        and that of the place, one of `bounds`."""
+        share, rest = errors
+        with np.errstate(all="ignore"):
+            scale = float(np.sqrt(np.square(world[:3, :3]).sum(axis=0)).max())
+            far = 0.0
+            if share > 0.0:
+                finite = vertices[np.isfinite(vertices).all(axis=1)]
+                far = float(np.sqrt(np.square(np.abs(finite).max(axis=0, initial=0.0)).sum()))
+            found = own * scale + share * far + rest
+        return found if math.isfinite(found) else 0.0
 
 
 def _is_printed_single(numbers: NDArray[np.float64]) -> bool:

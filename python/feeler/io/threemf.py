@@ -19,8 +19,9 @@ import numpy as np
 
 from feeler.errors import LoadError
 from feeler.io.limits import MAX_DEPTH, check_mesh
-from feeler.io.placing import IDENTITY, facing, multiply, shift_indices, transform
+from feeler.io.placing import IDENTITY, Matrix, facing, multiply, shift_indices, transform
 from feeler.io.raw import PathBook, RawMesh, clean_name
+from feeler.io.rounding import PlacementErrors, of_numbers
 from feeler.io.stated import Stated
 from feeler.io.tally import Tally
 from feeler.io.threemf_model import STAND_INS, Model, Object, ObjectKey, read_models
@@ -67,9 +68,11 @@ def _assemble(model: Model) -> RawMesh:
     paths: list[str] = []
     base = 0
     reached: set[ObjectKey] = set()
-    stack = [(use, "", IDENTITY) for use in reversed(model.items)]
+    errors = PlacementErrors()
+    placed: list[tuple[Object, Matrix, int]] = []
+    stack = [(use, "", IDENTITY, -1) for use in reversed(model.items)]
     while stack:
-        use, above, world = stack.pop()
+        use, above, world, row = stack.pop()
         found = model.objects[use.target]
         name = use.name or found.name
         if use.target not in reached:
@@ -79,15 +82,16 @@ def _assemble(model: Model) -> RawMesh:
             tally.add(f"uses of objects need the extension '{_shown(needs)}', which is not read, and are missing", name)
             continue
         path = book.claim(above, name)
-        world = multiply(world, use.matrix)
+        world, row = multiply(world, use.matrix), errors.add(row, use.matrix)
         if len(found.faces):
             vertices.append(transform(found.vertices, world))
             faces.append(shift_indices(facing(found.faces, world), base, len(found.vertices)))
             base += len(found.vertices)
+            placed.append((found, world, row))
             names.append(name)
             paths.append(path)
             stated.add(stated.flat(use.attributes), stated.flat(found.attributes), name=name)
-        stack.extend((below, path, world) for below in reversed(found.uses))
+        stack.extend((below, path, world, row) for below in reversed(found.uses))
     for key, found in model.objects.items():
         if len(found.faces) and key not in reached and key not in model.operands:
             tally.add(_UNREACHED, found.name)
@@ -107,7 +111,15 @@ def _assemble(model: Model) -> RawMesh:
         up="z",
         doubts=required + tally.doubts(),
         attributes=stated.attributes(),
+        rounding=_rounding(placed, errors),
     )
+
+
+def _rounding(placed: list[tuple[Object, Matrix, int]], errors: PlacementErrors) -> float:
+    """That of meshes, each with its place in the world and its number among the errors of placements."""
+    meshes = {id(found): found.vertices for found, _, _ in placed}
+    own, bounds = of_numbers(np.concatenate([np.empty((0, 3)), *meshes.values()])), errors.bounds()
+    return max((errors.placed(own, each.vertices, world, bounds[row]) for each, world, row in placed), default=0.0)
 
 
 def _tell(found: Object, tally: Tally) -> None:
