@@ -111,3 +111,85 @@ def test_saddles_of_crossing_pipes_hold_their_own(seed: int) -> None:
     for name in ("one", "other"):
         for number in range(2):
             assert found[f"{name}/screw_{number}"] == ({f"{name}/clamp", f"{name}/pipe"}, f"{name}/wall"), found
+
+
+def slotted(length: float, low: float) -> Any:
+    """A plate with a slot for a shank of 10 mm, longer by so much."""
+    ends = [cylinder(11.0, low - 1, low + 11, 48).translate((x, 0, 0)) for x in (-0.5 * length, 0.5 * length)]
+    return block((-40, -40, low), (40, 40, low + 10)) - solids.Manifold.batch_hull(ends)
+
+
+@pytest.mark.parametrize("length", [0.0, 3.0, 10.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_all_nuts_of_a_rod_hold_a_plate_with_a_slot(length: float, seed: int) -> None:
+    """Its wall is too far from the shank for rays: the face of the nut beside it lies on it."""
+    parts = {
+        "slotted": slotted(length, 0),
+        "upper": block((-30, -30, 10), (30, 30, 20)) - cylinder(11.0, 9, 21, 48),
+        "rod": cylinder(10.0, -22, 40, 48),
+        "top": nut(20),
+        "bottom": nut(-8.4),
+        "lock": nut(-16.8),
+    }
+    held = {"slotted", "upper"}
+    found = rows(parts, seed)
+    assert [found[each] for each in ("top", "bottom", "lock")] == [(held, "rod")] * 3
+
+
+@pytest.mark.parametrize("length", [0.0, 10.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_lock_nut_holds_what_the_nut_before_it_bears_on(length: float, seed: int) -> None:
+    parts = {
+        "slotted": slotted(length, 0),
+        "upper": block((-30, -30, 10), (30, 30, 20)) - cylinder(11.0, 9, 21, 48),
+        "bolt": cylinder(10.0, -22, 20, 48) + prism(16.0, 6, 20, 26.4),
+        "nut": nut(-8.4),
+        "lock": nut(-16.8),
+    }
+    found = rows(parts, seed)
+    assert [found[each][0] for each in ("bolt", "nut", "lock")] == [{"slotted", "upper"}] * 3
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_nuts_on_a_rod_hold_the_plate_between_them_alone(seed: int) -> None:
+    parts = {
+        "left": block((-30, -30, 0), (30, 30, 10)) - cylinder(11.0, -1, 11, 48),
+        "right": block((-30, -30, 60), (30, 30, 70)) - cylinder(11.0, 59, 71, 48),
+        "rod": cylinder(10.0, -20, 90, 48),
+        "a": nut(-8.4),
+        "b": nut(10),
+        "c": nut(51.6),
+        "d": nut(70),
+    }
+    found = rows(parts, seed)
+    assert [found[each][0] for each in "abcd"] == [{"left"}, {"left"}, {"right"}, {"right"}]
+
+
+@pytest.mark.parametrize("thick", [0.01, 0.1, 0.5])
+@pytest.mark.parametrize("wide", [10.0, 8.16])
+@pytest.mark.parametrize("is_drawn", [True, False])
+def test_the_nut_of_a_stud_holds_a_foil_on_its_base(thick: float, wide: float, is_drawn: bool) -> None:
+    """Also of a stud that is drawn as wide as the core of its thread, and where its base has no hole."""
+    base = block((-30, -30, -40), (30, 30, 0))
+    parts = {
+        "base": base - cylinder(wide, -20, 1, 48) if is_drawn else base,
+        "gasket": block((-30, -30, 0), (30, 30, thick)) - cylinder(11.0, -1, 9, 48),
+        "plate": block((-30, -30, thick), (30, 30, thick + 12)) - cylinder(11.0, -1, 20, 48),
+        "stud": cylinder(wide, -15, thick + 24, 48),
+        "nut": prism(16.0, 6, thick + 12, thick + 20.4) - cylinder(wide, thick + 11, thick + 21, 48),
+    }
+    assert rows(parts, 1)["nut"] == ({"gasket", "plate"}, "stud")
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_nut_holds_nothing_on_the_other_side_of_the_thread_of_its_stud(seed: int) -> None:
+    parts = {
+        "base": block((-30, -30, -20), (30, 30, 0)) - cylinder(10.0, -21, 1, 48),
+        "upper": block((-30, -30, 0), (30, 30, 10)) - cylinder(11.0, -1, 11, 48),
+        "lower": block((-30, -30, -30), (30, 30, -20)) - cylinder(11.0, -31, -19, 48),
+        "stud": cylinder(10.0, -45, 25, 48),
+        "top": nut(10),
+        "bottom": nut(-38.4),
+    }
+    found = rows(parts, seed)
+    assert [found[each][0] for each in ("top", "bottom")] == [{"upper"}, {"lower"}]

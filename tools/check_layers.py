@@ -308,9 +308,9 @@ ROOMS: dict[str, set[str]] = {
     "source": {"choices", "field_docs"},
     "mockup": {
         *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
-        *("field_docs", "mesh_types", "words"),
+        *("field_docs", "mesh_types", "part_meshes", "words"),
     },
-    "part_meshes": {"mockup"},
+    "part_meshes": {"_core"},
     "ignored": {"_core", "arguments", "errors", "mockup", "parts", "travel", "words"},
     # Tasks on executors.
     "spreading": {"errors", "stopping"},

@@ -102,7 +102,8 @@ if _typing.TYPE_CHECKING:
     from feeler.source import Source
     from feeler.spreading import WorkerLost
     from feeler.tasks.answer import Task, TaskInterrupted
-    from feeler.tasks.holding import Hold, Holds, holds
+    from feeler.tasks.held_rows import Hold, Holds
+    from feeler.tasks.holding import holds
     from feeler.tasks.night_rows import MaintainRow
     from feeler.tasks.nightly import maintain
     from feeler.tasks.planning import task

@@ -211,11 +211,6 @@ class _Attributed:
         self.__dict__["part_colours"] = None if given is None else _colours_of_parts(given, self.part_count)
 
     @cached_property
-    def _remembered(self) -> dict[Any, Any]:
-        """What questions found of its parts as they are, by question: asked again, they look here. Not pickled."""
-        return {}
-
-    @cached_property
     def _part_attributes(self) -> Attributes | None:
         """Those of its file, unless others were given."""
         return None if self._saved is None else self._saved.attributes
@@ -347,6 +342,16 @@ class Mockup(_Attributed, _core.Mockup):
         return moved
 
     @cached_property
+    def _remembered(self) -> dict[Any, Any]:
+        """What questions found of its parts as they are, by question: asked again, they look here. Not pickled."""
+        return {}
+
+    @cached_property
+    def _part_meshes(self) -> PartMeshes:
+        """The triangles of each part. Not pickled."""
+        return PartMeshes(self)
+
+    @cached_property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
         return _parts_of(self)
@@ -377,7 +382,7 @@ class Mockup(_Attributed, _core.Mockup):
         attributes = {
             name: value
             for name, value in self.__dict__.items()
-            if name not in ("_saved", "_modelled", "_moves", "_boxes", "_remembered")
+            if name not in ("_saved", "_modelled", "_moves", "_boxes", "_remembered", "_part_meshes")
         }
         file = self._saved
         if file is not None and file.is_there:
@@ -497,8 +502,7 @@ class Tool(_Attributed, _core.Tool):
         chosen = np.arange(mockup.part_count) if parts is None else mockup.parts.select(parts)
         if not len(chosen):
             raise OptionError("no part is named: a tool needs one at least")
-        meshes = PartMeshes.of(mockup)
-        triangles = [meshes.triangles(int(part)) for part in chosen]
+        triangles = [mockup._part_meshes.triangles(int(part)) for part in chosen]
         order = np.argsort(np.concatenate(triangles), kind="stable")
         part_of_face = np.repeat(np.arange(len(chosen)), [len(each) for each in triangles])[order]
         faces = mockup.faces[np.concatenate(triangles)[order]]

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from feeler.mockup import Mockup
+from feeler import _core
 
 
 class PartMeshes:
     """Looks up the triangles of a part. Thread-safe."""
 
-    @classmethod
-    def of(cls, mockup: Mockup) -> PartMeshes:
-        """Those of a mock-up, sorted when they are first asked for."""
-        if cls not in mockup._remembered:
-            mockup._remembered[cls] = cls(mockup)
-        found: PartMeshes = mockup._remembered[cls]
-        return found
-
-    def __init__(self, mockup: Mockup) -> None:
+    def __init__(self, mockup: _core.Mockup) -> None:
         self.vertices = mockup.vertices
         self._faces = mockup.faces
         part_of_face = mockup.part_of_face

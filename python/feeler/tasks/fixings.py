@@ -18,7 +18,7 @@ from feeler.scene import PartNumber, Scene
 from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of
-from feeler.tasks.holding import BODY, Hold, Holds
+from feeler.tasks.held_rows import BODY, Hold, Holds
 from feeler.tasks.passing import LEVELS, Passed, in_bore, is_against, passed_by, standing_out
 from feeler.tasks.retainers import gripped
 from feeler.tasks.thread_sizes import nominal

@@ -2,37 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, overload
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from feeler.arguments import check_kind, check_list, check_progress, check_whole, near, shown
+from feeler.arguments import check_kind, check_progress, near, shown
 from feeler.errors import OptionError
-from feeler.field_docs import documented
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
 from feeler.plan.fastener_names import is_pipe, kind_said
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners, turned_round
 from feeler.progress import Progress
-from feeler.renamed import OldAttributes
 from feeler.scene import Scene
 from feeler.tasks.bearings import bearings_of
 from feeler.tasks.clamping import clamped_beside, shoulder_below
 from feeler.tasks.cotters import cotters_of
+from feeler.tasks.held_rows import BODY, Hold, Holds, hold_of
 from feeler.tasks.passing import SEAT, Passed, Windings, around, borne, in_bore, passed_by, surrounding, under
 from feeler.tasks.retainers import Retained, clasped, clips, retained
 from feeler.tasks.thread_sizes import radius_at, thread_size
 from feeler.tasks.threaded_bodies import threaded_bodies
-from feeler.words import plural
 
 Floats = npt.NDArray[np.float64]
 
-BODY = "bearing"
-"""The kind of parts that leave as one."""
 TIGHT = 1.014
 """Radius of a hole over that of the shank: threads and fits are tighter, clearance holes wider."""
 CORE = 0.93
@@ -76,80 +71,6 @@ LARGE_WASHER, LARGE_HEIGHT = 3.7, 0.4
 
 TALL = 2.0
 """The height of rings with a shoulder, in diameters."""
-
-
-@documented
-@dataclass(frozen=True)
-class Hold:
-    """What one fastener holds."""
-
-    fastener: int
-    """Its part, an index into `mockup.parts`."""
-    path: str
-    """The path of its part."""
-    kind: str
-    """"bolt", "screw", "nut" or "stud" as of `find_fasteners`; "circlip", "pin", "fitting" or "clip"; "given" if a
-    table says so. "cotter": a cotter pin or the like across a bolt or a pin. "dowel": a pin through parts one behind
-    the other, which come off along it. "bearing": no fastener, but the parts of a rolling bearing, which leave as
-    one."""
-    parts: tuple[int, ...]
-    """The parts that come loose when it is undone, from its head inwards; itself if it is a plug or a sensor."""
-    paths: tuple[str, ...]
-    """The paths of `parts`."""
-    washers: tuple[int, ...]
-    """Washers on it, which come loose too."""
-    anchor: int | None
-    """The part, or the nut or bolt, that it is fastened in; None if none was found."""
-    anchor_path: str
-    """The path of `anchor`; empty if there is none."""
-    mates: tuple[int, ...]
-    """Other fasteners on its axis: to undo one of them is enough."""
-    because: str
-    """Why, in words."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """A dict of plain Python values, as JSON takes them."""
-        return dict(vars(self))
-
-
-class Holds(OldAttributes, Sequence[Hold]):
-    """What fasteners hold, sorted by their parts. See `holds`."""
-
-    _RENAMED: ClassVar[Mapping[str, str]] = {"to_dict": "to_dicts"}
-
-    def __init__(self, rows: Iterable[Hold]) -> None:
-        found = [check_kind("rows", row, Hold) for row in check_list("rows", rows, "a list of feeler.Hold")]
-        self._rows = tuple(sorted(found, key=lambda row: row.fastener))
-        self._of = {row.fastener: row for row in self._rows}
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    @overload
-    def __getitem__(self, index: int) -> Hold: ...
-    @overload
-    def __getitem__(self, index: slice) -> Holds: ...
-    def __getitem__(self, index: int | slice) -> Hold | Holds:
-        return Holds(self._rows[index]) if isinstance(index, slice) else self._rows[index]
-
-    def __iter__(self) -> Iterator[Hold]:
-        return iter(self._rows)
-
-    def __repr__(self) -> str:
-        return f"Holds({plural(len(self), 'fastener')})"
-
-    def of(self, fastener: int) -> Hold | None:
-        """What the fastener of a part holds; None if the part is none."""
-        return self._of.get(check_whole("fastener", fastener))
-
-    def holding(self, part: int) -> Holds:
-        """The fasteners that hold a part, washers included."""
-        what = check_whole("part", part)
-        return Holds(row for row in self._rows if what in row.parts or what in row.washers)
-
-    def to_dicts(self) -> list[dict[str, Any]]:
-        """A dict of plain Python values for each row."""
-        return [row.to_dict() for row in self._rows]
 
 
 def holds(
@@ -196,14 +117,14 @@ def holds(
         holding = _Holding(scene, present, by_name)
     kept = {row.fastener: row for row in holding.rows()}
     for each in by_name:
-        kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+        kept[each.part] = hold_of(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     held = {part for row in kept.values() for part in row.parts}
     for each in clips(scene, held | taken, set(kept)):
         closing = [row for row in kept.values() if _closes(row, each)]
         for row in closing:
             kept[row.fastener] = _closing(scene.mockup, row, each)
         if not closing:
-            kept[each.part] = _row(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
+            kept[each.part] = hold_of(scene.mockup, each.part, each.kind, each.parts, (), each.anchor, (), each.because)
     for row in [each for each in kept.values() if each.kind == "fitting"]:
         if _is_clamped(scene, row, present, kept):
             del kept[row.fastener]
@@ -211,12 +132,12 @@ def holds(
             kept[row.fastener] = _without_nuts(scene.mockup, row, kept.values())
     for whole in bearings:
         others = tuple(part for part in whole.parts if part not in given)
-        kept[whole.lead] = _row(scene.mockup, whole.lead, BODY, others, (), None, (), whole.because)
+        kept[whole.lead] = hold_of(scene.mockup, whole.lead, BODY, others, (), None, (), whole.because)
     for part, parts in given.items():
         was = kept.get(part)
         said = "the table says so"
         if was is None:
-            kept[part] = _row(scene.mockup, part, "given", parts, (), None, (), said)
+            kept[part] = hold_of(scene.mockup, part, "given", parts, (), None, (), said)
         else:
             paths = tuple(scene.mockup.part_paths[each] for each in parts)
             kept[part] = replace(was, parts=parts, paths=paths, because=said)
@@ -284,31 +205,6 @@ def _given(mockup: Mockup, table: Mapping[int | str, PartsLike | None] | None) -
                 raise OptionError(f"table says two things of {path!r}: {near(path, list(mockup.part_paths))}")
             found[part] = what
     return found
-
-
-def _row(
-    mockup: Mockup,
-    fastener: int,
-    kind: str,
-    parts: tuple[int, ...],
-    washers: tuple[int, ...],
-    anchor: int | None,
-    mates: tuple[int, ...],
-    because: str,
-) -> Hold:
-    paths = mockup.part_paths
-    return Hold(
-        fastener,
-        paths[fastener],
-        kind,
-        parts,
-        tuple(paths[each] for each in parts),
-        washers,
-        anchor,
-        "" if anchor is None else paths[anchor],
-        mates,
-        because,
-    )
 
 
 class _Holding:
@@ -449,7 +345,7 @@ class _Holding:
             said = "it stays: nuts on it hold parts" if nuts else "no nut is on it"
             if anchor is not None:
                 said = f"it is fastened in {self._name(anchor.part)}; {said}"
-            return _row(self.mockup, row.part, row.kind, (), (), _part(anchor), mates, said)
+            return hold_of(self.mockup, row.part, row.kind, (), (), _part(anchor), mates, said)
         if anchor is None:
             said = "neither a thread nor a nut was found for it"
             if not passed and not washers and row.length < SHORT * row.size:
@@ -477,19 +373,27 @@ class _Holding:
         ]
         mates = tuple(sorted([shank.part, *(each.part for each in others)]))
         anchor = self._anchor(shank, passed) if _is_stud(shank) else None
-        beyond = [self._bearing(shank, each) for each in others]
+        # From this nut to the thread of the stud, where a foil counts, or to the nut at its other end.
+        beyond, play = [self._bearing(shank, each) for each in others], PLAY * shank.size
         if is_upward:
-            # From this nut down to the thread of the stud, or to the nut at its other end.
-            low, high = max([*beyond, -np.inf] if anchor is None else [*beyond, anchor.top]), height
+            thread = -np.inf if anchor is None else anchor.top
+            low, high = max([-np.inf, *(each for each in beyond if each < height)]), height
+            clamped = [each for each in passed if each.top > max(low + play, thread) and each.bottom < high - play]
+            low = max(low, thread)
         else:
-            low, high = height, min([*beyond, np.inf] if anchor is None else [*beyond, anchor.bottom])
-        play = PLAY * shank.size
-        clamped = [each for each in passed if each.top > low + play and each.bottom < high - play]
-        clamped += self._borne(nut, washers)
+            thread = np.inf if anchor is None else anchor.bottom
+            low, high = height, min([np.inf, *(each for each in beyond if each > height)])
+            clamped = [each for each in passed if each.top > low + play and each.bottom < min(high - play, thread)]
+            high = min(high, thread)
+        # What the nut at the other end bears on counts, too, and what a nut in front of this one does.
+        between = [each for each in self.nuts[shank.part] if low <= self._bearing(shank, each) <= high]
+        for each in between:
+            clamped += self._borne(each, washers)
         if not _is_stud(shank):
             clamped += self._borne(shank, washers)
             clamped += self._shouldered(shank, washers, clamped)
-        clamped += self._shouldered(nut, washers, clamped)
+        for each in between:
+            clamped += self._shouldered(each, washers, clamped)
         clamped = [each for each in clamped if each.part != _part(anchor)]
         if anchor is not None:
             point = shank.frame[:3, 3] + (anchor.top if is_upward else anchor.bottom) * shank.axis
@@ -647,11 +551,11 @@ class _Holding:
         parts = list(dict.fromkeys(each.part for each in passed))
         if not parts and anchor is not None and not mates:
             because = f"{said}; it holds nothing but {'its washers' if washers else 'itself'}"
-            return _row(self.mockup, row.part, row.kind, (row.part,), tuple(washers), anchor, (), because)
+            return hold_of(self.mockup, row.part, row.kind, (row.part,), tuple(washers), anchor, (), because)
         known = {row.part, *mates, *washers, *([] if anchor is None else [anchor])}
         more = clasped(self.bare, parts, known, self.meshes)
         because = f"{said}; what its clamps touch comes loose too" if more else said
-        return _row(self.mockup, row.part, row.kind, (*parts, *more), tuple(washers), anchor, mates, because)
+        return hold_of(self.mockup, row.part, row.kind, (*parts, *more), tuple(washers), anchor, mates, because)
 
     def _without_washers(self, row: Fastener, passed: list[Passed]) -> tuple[list[Passed], list[int]]:
         """Parts, and the washers: flat rings with nothing but such between them and the head or a nut. Rings between

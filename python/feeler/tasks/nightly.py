@@ -37,7 +37,8 @@ from feeler.spreading import Interrupted, check_executor, spread
 from feeler.stopping import TaskStopped, check_stop
 from feeler.tasks.answer import Task
 from feeler.tasks.digests import digest_of, facts_of, short
-from feeler.tasks.holding import Holds, holds
+from feeler.tasks.held_rows import Holds
+from feeler.tasks.holding import holds
 from feeler.tasks.listed import MaintainParts, Wanted, wanted_of
 from feeler.tasks.memory import Answer, Memory, carried
 from feeler.tasks.night_rows import Plan, Seeing

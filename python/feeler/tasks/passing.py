@@ -24,6 +24,7 @@ _AROUND = 12  # rays around the axis
 LEVELS = 32  # heights along it
 _LAYERS = 24  # the most layers that are entered or left below a head
 _BESIDE = (0.6, 0.68)  # distances from the axis, in diameters, where layers are looked for: beside holes, under heads
+_WIDE = 0.77  # the same for thin layers alone: of a shank drawn as wide as its core, holes are this wide
 _REACH = 0.8  # in diameters: holes are narrower
 _MOST = 0.58  # the share of rays that hit a part around the axis; two walls that meet in a corner beside it are half
 _BATCH = 1_000  # fasteners at a time
@@ -160,7 +161,7 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
     """Heights in the middle of the layers beside each shank, for thin ones, (n, k). Unused ones are the shank's top."""
     ring = _ring()[:: _AROUND // 4]
     columns = []
-    for beside in _BESIDE:
+    for beside in (*_BESIDE, _WIDE):
         for way in ring:
             at = np.einsum("nij,j->ni", frames[:, :3, :3], way) * (beside * sizes)[:, None]
             origins = frames[:, :3, 3] + at + spans[:, :1] * frames[:, :3, 2]
@@ -169,6 +170,8 @@ def _layers(scene: Scene, frames: Floats, spans: Floats, sizes: Floats) -> Float
             ends = np.concatenate([np.zeros((len(ends), 1)), ends], axis=1)
             middle = spans[:, :1] - 0.5 * (ends[:, 1:] + ends[:, :-1])
             is_layer = np.isfinite(middle) & (middle < spans[:, :1] - _STEP)
+            if beside == _WIDE:
+                is_layer &= ends[:, 1:] < ends[:, :-1] + (spans[:, :1] - spans[:, 1:]) / LEVELS
             columns.append(np.where(is_layer, middle, spans[:, :1]))
     return np.concatenate(columns, axis=1)
 

@@ -31,7 +31,8 @@ from feeler.tasks.beside import asks_beside
 from feeler.tasks.crewed import Job, Slot, critical, scheduled
 from feeler.tasks.fixings import Fixings
 from feeler.tasks.forced import forced_order
-from feeler.tasks.holding import Holds, holds
+from feeler.tasks.held_rows import Holds
+from feeler.tasks.holding import holds
 from feeler.tasks.leading import Leading, Led
 from feeler.tasks.pacing import Pace
 from feeler.tasks.plugs import plugs_in_the_way

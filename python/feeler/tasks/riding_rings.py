@@ -13,7 +13,7 @@ from feeler.part_meshes import PartMeshes
 from feeler.scene import Scene
 from feeler.tasks.answer import Task
 from feeler.tasks.captive import free_travel
-from feeler.tasks.holding import Hold, Holds
+from feeler.tasks.held_rows import Hold, Holds
 from feeler.tasks.rings import ring_of
 
 MOST_ALONE = 4

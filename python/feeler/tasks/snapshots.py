@@ -21,7 +21,7 @@ from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.frames import scene_axes
 from feeler.scene import Scene
 from feeler.tasks.fixings import Fixings
-from feeler.tasks.holding import Hold, Holds
+from feeler.tasks.held_rows import Hold, Holds
 from feeler.tasks.regions import Regions, leaves
 from feeler.tasks.times import Times
 

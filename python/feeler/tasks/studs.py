@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from feeler.plan.fasteners import Fastener, Fasteners, turned_round
 from feeler.scene import Scene
-from feeler.tasks.holding import Hold, Holds
+from feeler.tasks.held_rows import Hold, Holds
 from feeler.tasks.passing import passed_by
 
 TURNED = "screw"
