@@ -165,7 +165,8 @@ def test_the_command(tmp_path: Path) -> None:
     words = ("verify", tmp_path / "yard.glb", "--requirements", tmp_path / "r.toml", "--json")
     answer = json.loads(run(*words, code=1).stdout)
     assert answer["holds"] is False and [each["status"] for each in answer["requirements"]] == ["holds", "violated"]
-    assert json.loads(run(*words, "--without", "*flush").stdout)["holds"] is True
+    rest = json.loads(run(*words, "--without", "*flush", code=2).stdout)
+    assert rest["holds"] is False and [each["status"] for each in rest["requirements"]] == ["holds", "unknown"]
 
 
 def project_of(folder: Path, *asked: tuple[str, str, str, float], of: feeler.Mockup | None = None) -> Path:
@@ -188,8 +189,8 @@ def test_the_requirements_of_a_project_are_checked(tmp_path: Path) -> None:
     done = run("verify", path, code=1)
     assert "2 requirements: 1 violated, 1 holds" in done.stdout
     assert "violated  near 2: " in done.stdout, "as the page exports them"
-    found = run_json("verify", path, "--without", "*flush")
-    assert found["holds"] and [each["name"] for each in found["requirements"]] == ["near", "near 2"]
+    found = run_json("verify", path, "--without", "*flush", code=2)["requirements"]
+    assert [(each["name"], each["status"]) for each in found] == [("near", "holds"), ("near 2", "unknown")]
     assert path.read_bytes() == before, "it is only read"
     with feeler.open_project(path):
         assert len(run_json("verify", path, code=1)["requirements"]) == 2, "also one that is open elsewhere"
@@ -218,7 +219,7 @@ def test_what_a_project_cannot_verify(tmp_path: Path) -> None:
     assert not (tmp_path / "no.feelproj").exists()
     none = project_of(tmp_path, ("none", "*nothing*", "*", 0.1), ("near", "*near", "*wall", 0.02))
     done = run("verify", none, code=2)
-    assert done.stderr == "feeler: not checked, since a pattern matches no part: 'none'\n"
+    assert done.stderr == "feeler: not checked, since parts that they name are missing: 'none'\n"
     assert "2 requirements: 1 violated, 0 hold, 1 not checked" in done.stdout
     assert "unknown   none: a: " in done.stdout and "violated  near: " in done.stdout
     rows = json.loads(run("verify", none, "--json", code=2).stdout)
@@ -243,3 +244,39 @@ def test_names_turn_no_terminal_red(tmp_path: Path) -> None:
     )
     said = run("verify", tmp_path / "yard.glb", "--requirements", tmp_path / "r.toml").stdout
     assert "\x1b" not in said and "\\x1b[31mred\\u202e" in said
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "without", "out"),
+    [
+        ("pipes/near", "duct/wall", ["pipes/near"], ("pipes/near",)),
+        ("duct/wall", "pipes", ["pipes"], ("pipes/near", "pipes/flush", "pipes/sunk")),
+        ("*", "pipes/near", ["pipes/near"], ("pipes/near",)),
+        ("pipes", "pipes", ["pipes/near", "pipes/flush"], ("pipes/near", "pipes/flush")),
+        ("pipes", "duct/wall", ["pipes/sunk", "pipes/flush"], ()),
+    ],
+)
+def test_one_whose_parts_are_out_is_unknown(a: str, b: str, without: list[str], out: tuple[str, ...]) -> None:
+    """Nothing was compared, so it does not hold, unless it need not be there."""
+    scene = feeler.Scene(yard()).without(without)
+    for one, other in ((a, b), (b, a)):
+        (found,) = feeler.verify(scene, [asked(one, other, 1e-3)])
+        assert found.out == out and found.status == ("unknown" if out else "holds") and bool(found) is not bool(out)
+        (found,) = feeler.verify(scene, [feeler.Requirement("one", one, other, 1e-3, optional=True)])
+        assert found.status == "holds" and found.trouble is None
+
+
+def test_the_command_says_which_parts_are_out(tmp_path: Path) -> None:
+    write_glb(tmp_path / "yard.glb", yard())
+    (tmp_path / "clear.toml").write_text(
+        '[[requirement]]\nname = "pipes"\na = "yard/pipes"\nb = "*wall"\ngap = 0.001\n'
+        '[[requirement]]\nname = "core"\na = "*core"\nb = "*near"\ngap = 0.001\n'
+    )
+    given = ("verify", tmp_path / "yard.glb", "--requirements", tmp_path / "clear.toml", "--without", "yard/pipes")
+    done = run(*given, code=2)
+    assert "2 requirements: 0 violated, 0 hold, 2 not checked" in done.stdout
+    assert "unknown   pipes: yard/pipes/near and 2 other parts are not in the scene" in done.stdout
+    assert "unknown   core: yard/pipes/near is not in the scene" in done.stdout
+    assert "not checked, since parts that they name are missing: 'pipes', 'core'" in done.stderr
+    rows = run_json(*given, code=2)["requirements"]
+    assert [row["status"] for row in rows] == ["unknown"] * 2 and rows[1]["out"] == ["yard/pipes/near"]

@@ -32,6 +32,7 @@ from feeler.arguments import (
 )
 from feeler.clashes import Clash, Rule, Rules, Verdict, clash
 from feeler.clashes.finding import least_contact
+from feeler.clashes.limits import sides
 from feeler.clashes.retried import ROUNDOFFS
 from feeler.clashes.rules import WordsLike
 from feeler.errors import LoadError, MeshError, OptionError
@@ -40,6 +41,7 @@ from feeler.io.toml import toml_of
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.scene import Scene
+from feeler.words import plural
 
 VERSION = 1
 Words = tuple[str, ...]
@@ -85,13 +87,14 @@ class Requirement:
 class Verified:
     """Whether a requirement holds.
 
-    status: "holds" or "violated". pairs: how many pairs of parts violate it; the other fields are of the worst of them,
-    and None if it holds. gap: their distance, metres, 0 if they touch or overlap. depth: how deep they overlap, metres,
-    at least; 0 if they do not. point_a, point_b: where, world.
+    status: "holds", "violated", or "unknown" if the scene is without all parts of `a` or of `b`: nothing was compared.
+    pairs: how many pairs of parts violate it; the other fields are of the worst of them, and None if it holds. gap:
+    their distance, metres, 0 if they touch or overlap. depth: how deep they overlap, metres, at least; 0 if they do
+    not. point_a, point_b: where, world.
     """
 
     requirement: Requirement
-    status: Literal["holds", "violated"]
+    status: Literal["holds", "violated", "unknown"]
     pairs: int = 0
     gap: float | None = None
     depth: float | None = None
@@ -101,9 +104,19 @@ class Verified:
     """The same of `b`."""
     point_a: tuple[float, float, float] | None = None
     point_b: tuple[float, float, float] | None = None
+    out: tuple[str, ...] = ()
+    """The parts that the scene is without, if the status is "unknown": paths."""
 
     def __bool__(self) -> bool:
         return self.status == "holds"
+
+    @property
+    def trouble(self) -> str | None:
+        """Why the status is "unknown", in words."""
+        if not self.out:
+            return None
+        more = f" and {plural(len(self.out) - 1, 'other part')} are" if len(self.out) > 1 else " is"
+        return f"{self.out[0]}{more} not in the scene"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain Python values, for JSON."""
@@ -115,6 +128,7 @@ class Verified:
             "b": list(asked["b"]),
             "required_gap": asked["gap"],
             **{name: list(value) if isinstance(value, tuple) else value for name, value in given.items()},
+            "trouble": self.trouble,
         }
 
 
@@ -138,7 +152,8 @@ def verify(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> tuple[Verified, ...]:
-    """Whether each requirement holds in a scene, in their order. Parts that the scene is without do not count.
+    """Whether each requirement holds in a scene, in their order. Parts that the scene is without do not count; one of
+    which no parts are left to compare is "unknown", unless it is optional.
 
     Distances are exact. A requirement still holds where only rounding makes the gap too small: 32 units in the last
     place of the largest coordinate, and four times the rounding of the files (`mockup.source.rounding`). Parts that
@@ -168,6 +183,9 @@ def _verified(scene: Scene, asked: Requirement, threads: int | None) -> Verified
     rule = Rule(asked.name, asked.a, asked.b, clearance=asked.gap, optional=asked.optional)
     rules = Rules((rule,), others=False, where=f"requirement {asked.name!r}")
     try:
+        out = _out(scene, rule, rules.where)
+        if out and not asked.optional:
+            return Verified(asked, "unknown", out=out)
         found = clash(scene.mockup, asked.gap, 0.0, rules, scene=scene, threads=threads)
     except OptionError as error:
         raise OptionError(str(error).replace(f", rule {asked.name!r}", "")) from None
@@ -188,6 +206,19 @@ def _verified(scene: Scene, asked: Requirement, threads: int | None) -> Verified
         worst.point_a,
         worst.point_b,
     )
+
+
+def _out(scene: Scene, rule: Rule, where: str) -> tuple[str, ...]:
+    """The parts of a requirement that a scene is without, if it has no two of them to compare."""
+    paths, present = scene.mockup.part_paths, scene.part_mask
+    both = sides(rule, scene.mockup.parts, paths, where)
+    there = [side & present for side in both]
+    if all(side.any() for side in there) and (there[0] | there[1]).sum() > 1:
+        return ()
+    # Of "*" and a part that is out, that part is why.
+    empty = [side for side, left in zip(both, there, strict=True) if not left.any()] or list(both)
+    gone = np.logical_or.reduce(empty) & ~present
+    return tuple(paths[part] for part in np.flatnonzero(gone))
 
 
 def _is_wrong(each: Clash, gap: float) -> bool:

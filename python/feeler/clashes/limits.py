@@ -231,6 +231,12 @@ def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:
     return found
 
 
+def sides(rule: Rule, parts: Parts, paths: Sequence[str], where: str) -> tuple[npt.NDArray[np.bool_], ...]:
+    """The parts that a rule names as `a` and as `b`, `(parts,)` each. Raises `OptionError` for patterns that match no
+    part, unless the rule is optional."""
+    return _Named(parts, paths, where).both(f"rule {rule.name!r}", rule)
+
+
 def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
     """A number for the first `level` steps of each path, `(parts,)`; -1 for paths that have no more steps."""
     keys: dict[tuple[str, ...], int] = {}

@@ -68,7 +68,7 @@ def verify(
     A project instead of the mock-up, or beside it, has the requirements of the workbench. Alone it stands for the
     mock-up that it names. Its parts are checked where the file has them, also those that were moved in the workbench.
 
-    Exit status: 0 all hold, 1 one is violated, 2 bad input, or a pattern that matches no part.
+    Exit status: 0 all hold, 1 one is violated, 2 bad input, or one that names no part of the scene.
     """
     from feeler.cli import outputs
 
@@ -93,7 +93,7 @@ def verify(
         outputs.print_json({"mockup": mesh_facts(world), "holds": all(map(_is_kept, found)), "requirements": rows})
     else:
         out = outputs.console()
-        unknown = sum(not isinstance(each, Verified) for each in found)
+        unknown = sum(map(_is_unknown, found))
         kept = sum(map(_is_kept, found))
         hold = "holds" if kept == 1 else "hold"
         more = f", {unknown:,} not checked" if unknown else ""
@@ -101,8 +101,8 @@ def verify(
         outputs.say(out, f"{plural(len(found), 'requirement')}: {said}")
         for each in found:
             outputs.say(out, f"  {_line(each) if isinstance(each, Verified) else _why(*each)}")
-    if lost := [each[0].name for each in found if not isinstance(each, Verified)]:
-        fail(f"not checked, since a pattern matches no part: {', '.join(map(repr, lost))}")
+    if lost := [_asked(each).name for each in found if _is_unknown(each)]:
+        fail(f"not checked, since parts that they name are missing: {', '.join(map(repr, lost))}")
         raise typer.Exit(BAD_INPUT)
     if not all(map(_is_kept, found)):
         raise typer.Exit(FOUND)
@@ -121,6 +121,14 @@ def _checked(
         return feeler.verify(scene, [asked[number]], threads=threads)[0]
     except OptionError as error:
         return asked[number], str(error)
+
+
+def _asked(each: _Checked) -> Requirement:
+    return each.requirement if isinstance(each, Verified) else each[0]
+
+
+def _is_unknown(each: _Checked) -> bool:
+    return not isinstance(each, Verified) or each.status == "unknown"
 
 
 def _is_kept(each: _Checked) -> bool:
@@ -158,6 +166,8 @@ def _line(each: Verified) -> str:
     asked = each.requirement
     if each:
         return f"holds     {asked.name}: at least {length(asked.gap)}"
+    if each.trouble:
+        return _why(asked, each.trouble)
     one, other = ((path or "").rpartition("/")[2] for path in (each.path_a, each.path_b))
     if each.depth:
         what = f"{one} is {length(each.depth)} deep in {other}"

@@ -43,6 +43,7 @@ def verified(place: FindingPlace, given: Arguments, progress: Progress) -> list[
                 found.depth,
                 parts,
                 points,
+                found.trouble,
                 **where,  # type: ignore[arg-type]
             )
         results.append({"id": each.id, "verdict": plain(made)})
