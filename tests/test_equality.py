@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import importlib
 import inspect
@@ -11,6 +12,7 @@ import re
 
 import numpy as np
 import pytest
+from shapes import box
 
 import feeler
 
@@ -64,3 +66,15 @@ def test_values_compare_by_their_numbers() -> None:
     assert parts[0] == parts[0]
     with pytest.raises(feeler.OptionError):
         feeler.Screw((0, 0, 0), (0, 0, 0), 1.0)
+
+
+def test_a_finding_is_equal_wherever_it_was() -> None:
+    """Volumes that were not measured and translations that are not known are NaN, which is not equal to itself."""
+    low, high = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    sheet = np.array([[-1.0, 0.5, 0.5], [2.0, 0.5, 0.5], [0.5, 2.0, 0.6]])
+    parts = {"box": box(low, high), "other": box((0.9, 0.0, 0.0), (2.0, 1.0, 1.0)), "sheet": (sheet, [[0, 1, 2]])}
+    once, again = (feeler.clash(feeler.Mockup(parts)) for _ in range(2))
+    assert len(once) == 3 and all(np.isnan(each.volume) for each in once)
+    for one, other in zip(once, again, strict=True):
+        for same in (other, pickle.loads(pickle.dumps(one)), copy.deepcopy(one)):
+            assert same == one and hash(same) == hash(one)

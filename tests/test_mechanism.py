@@ -194,6 +194,20 @@ def test_chains_of_couplings_hold_or_contradict() -> None:
         )
 
 
+def test_coupled_joints_need_a_position() -> None:
+    mock = dots(*((0.1 * n, 0, 0) for n in range(4)))
+    first = Joint("x", "prismatic", None, "a", Z, limits=(0.0, 1.0))
+    for limits, is_right in (((5.0, 6.0), False), ((3.0 * 0.1, 3.0 * 0.1), True)):
+        joints = [replace(first, limits=(0.1, 0.1)) if is_right else first, Joint("y", "prismatic", None, "b", Z)]
+        joints[1] = replace(joints[1], limits=limits)
+        coupling = [JointCoupling("y", "x", 3.0 if is_right else 1.0)]
+        if is_right:  # 3 * 0.1 is above 0.3 by a rounding
+            assert Mechanism(mock, joints, coupling).limits("x") == pytest.approx((0.1, 0.1))
+        else:
+            with pytest.raises(OptionError, match="coupled with 'x' leave no position"):
+                Mechanism(mock, joints, coupling)
+
+
 def test_the_limits_of_all_coupled_numbers_hold() -> None:
     mock = dots(*((0.1 * n, 0, 0) for n in range(4)))
     joints = [Joint("g", "revolute", None, "a", Z), Joint("h", "revolute", None, "b", Z, limits=(0.0, 1.0))]

@@ -410,3 +410,21 @@ def test_a_part_of_another_mesh_with_its_name_is_refused() -> None:
     one, other = mockup_of({"a": block}), mockup_of({"a": joined(block, cube((5, 0, 0), 1))})
     with pytest.raises(feeler.OptionError, match="of another mesh"):
         one.parts.select(other.parts[0])
+
+
+def test_parts_are_found_among_others(mockup: feeler.Mockup) -> None:
+    """By their index: thousands are not gone through for each."""
+    parts, other = mockup.parts, feeler.Mockup({"a": box((0, 0, 0), (1, 1, 1)), "b": box((2, 0, 0), (3, 1, 1))}).parts
+    assert all(each in parts for each in parts)
+    for wrong in (other[1], 3, "a", None):
+        assert wrong not in parts
+
+
+def test_parts_cannot_be_exchanged(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
+    for mesh in (mockup, tool):
+        with pytest.raises(AttributeError):
+            mesh.parts = other_parts()  # type: ignore[misc]
+
+
+def other_parts() -> feeler.Parts:
+    return feeler.Mockup({"a": box((0, 0, 0), (1, 1, 1))}).parts

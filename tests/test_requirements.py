@@ -149,6 +149,8 @@ def test_what_is_wrong_in_a_file_is_said(tmp_path: Path, text: str, words: str) 
 
 
 def test_what_cannot_be_asked() -> None:
+    with pytest.raises(OptionError, match=r"^requirement 'one': b is 3: "):
+        feeler.Requirement("one", "a", 3, 0.1)  # type: ignore[arg-type]
     with pytest.raises(OptionError, match=r"requirement 'one', a: .*nothing"):
         feeler.verify(yard(), [asked("nothing", "*", 0.1)])
     with pytest.raises(MeshError):

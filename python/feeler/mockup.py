@@ -229,6 +229,13 @@ class _Attributed:
     def part_attributes(self, given: Sequence[Mapping[str, str]] | None) -> None:
         self._keep_attributes(attributes_of.checked(given, self.part_count))
 
+    def _known_parts(self) -> Parts:
+        """Made when they are first asked for."""
+        known: Parts | None = self.__dict__.get("parts")
+        if known is None:
+            known = self.__dict__["parts"] = _parts_of(self)  # type: ignore[arg-type]  # a mock-up or a tool
+        return known
+
     def _keep_attributes(self, attributes: Attributes | None) -> None:
         """Keeps attributes that were checked."""
         self.__dict__.pop("parts", None)
@@ -351,10 +358,10 @@ class Mockup(_Attributed, _core.Mockup):
         """The triangles of each part. Not pickled."""
         return PartMeshes(self)
 
-    @cached_property
+    @property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
-        return _parts_of(self)
+        return self._known_parts()
 
     @property
     def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs
@@ -560,10 +567,10 @@ class Tool(_Attributed, _core.Tool):
             np.concatenate(vertices), np.concatenate(faces), name, np.concatenate(parts), names, part_paths=paths
         )
 
-    @cached_property
+    @property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`; a single one, named as the tool, unless it was made of several."""
-        return _parts_of(self)
+        return self._known_parts()
 
     @property
     def defects(self) -> dict[DefectKind, Defect]:  # type: ignore[override]  # the core gives pairs

@@ -92,6 +92,10 @@ class Parts(Sequence[Part]):
     def __iter__(self) -> Iterator[Part]:
         return (self[i] for i in range(len(self)))
 
+    def __contains__(self, part: object) -> bool:
+        # A part knows its index: none of the others is looked at.
+        return isinstance(part, Part) and 0 <= part.index < len(self) and self[part.index] == part
+
     def find(self, path: str) -> list[Part]:
         """Parts whose path or name equals `path`, or whose path lies below it."""
         return [self[i] for i in self._called(check_text("path", path, "the path or name of a part"))]

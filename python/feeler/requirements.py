@@ -73,7 +73,10 @@ class Requirement:
         if not self.name.strip():
             raise OptionError("a requirement has no name: give one")
         # A rule has the same patterns, and its own checks name what is wrong.
-        rule = Rule(self.name, self.a, self.b, optional=self.optional)
+        try:
+            rule = Rule(self.name, self.a, self.b, optional=self.optional)
+        except OptionError as error:
+            raise OptionError(str(error).replace("rule ", "requirement ", 1)) from None
         for side, words in (("a", rule.a), ("b", rule.b)):
             if not words:
                 raise OptionError(f"requirement {self.name!r}: {side} is empty: give a pattern, or several")

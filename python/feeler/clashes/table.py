@@ -93,6 +93,10 @@ class Clash:
     changed: str
     """`"renamed"` or `"renumbered"` if `Clashes.diff` found a part under another key, else empty."""
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # One and the same NaN, so that equal rows are equal.
+        self.__dict__.update({name: _with_one_nan(value) for name, value in state.items()})
+
 
 @dataclass(frozen=True, eq=False)
 class Columns:
@@ -632,6 +636,12 @@ def check_same(mockup: Mockup, clashes: Table) -> None:
         )
 
 
+def _with_one_nan(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(map(_with_one_nan, value))
+    return math.nan if value != value else value
+
+
 def _point(row: Any) -> Point:
-    x, y, z = row.tolist()
+    x, y, z = _with_one_nan(tuple(row.tolist()))
     return (x, y, z)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -293,14 +294,20 @@ class ModelHandler(Handler):
         elif self.object is not None:
             self.object.needs = uri
 
-    def _finish(self, found: Object) -> None:
+    def _numbers(self, found: Object, words: list[str], kind: type[float | int]) -> NDArray[Any]:
+        """Words as an array; it raises for the first that is no number."""
         try:
-            found.vertices = np.array(found.numbers, dtype=np.float64).reshape(-1, 3)
-            indices = np.array(found.indices, dtype=np.int64).reshape(-1, 3)
-        except (ValueError, OverflowError) as error:
-            raise self.package.fail(
-                f"{found.name!r} in {self.name!r} has a value that is not a number ({error})"
-            ) from error
+            return np.array(words, dtype=np.float64 if kind is float else np.int64)
+        except (ValueError, OverflowError):
+            wrong = next(word for word in words if not _is(kind, word))
+            comma = ": 3MF has decimal points, no commas" if "," in wrong else ""
+            what = "a coordinate" if kind is float else "an index"
+            said = f"{found.name!r} in {self.name!r} has {wrong[:40]!r} as {what}, which is not a number{comma}"
+            raise self.package.fail(said) from None
+
+    def _finish(self, found: Object) -> None:
+        found.vertices = self._numbers(found, found.numbers, float).reshape(-1, 3)
+        indices = self._numbers(found, found.indices, int).reshape(-1, 3)
         found.faces = seal_indices(indices, len(found.vertices))
         found.numbers, found.indices = [], []
         if not len(found.faces) and not found.uses:
@@ -369,3 +376,12 @@ def _family(uri: str) -> str:
     """Return the extension of a namespace, without its version: "slice"; "" if it is none of the 3MF consortium."""
     found = _FAMILY.search(uri)
     return found[1].lower() if found else ""
+
+
+def _is(kind: type[float | int], word: str) -> bool:
+    """Whether a word is such a number, as an array holds it."""
+    try:
+        np.array([word], dtype=np.float64 if kind is float else np.int64)
+    except (ValueError, OverflowError):
+        return False
+    return True

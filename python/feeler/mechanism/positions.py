@@ -73,6 +73,8 @@ class Positions:
         self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed, self.ignore)
         self.groups = self._grouped()
         self._last: tuple[tuple[tuple[str, float], ...], Scene] | None = None
+        for name in self.names:
+            self.limits(name)  # it raises where those of coupled joints leave no position
 
     def limits(self, name: str) -> tuple[float, float] | None:
         """The limits of a number, those of the numbers coupled with it included; None for none."""
@@ -86,9 +88,9 @@ class Positions:
                 offset = by.offset - ratio * mine.offset
                 ends = sorted((end - offset) / ratio for end in own)
                 lower, upper = max(lower, ends[0]), min(upper, ends[1])
-        if lower > upper:
+        if lower > upper + _SAME * max(1.0, abs(lower)):
             raise OptionError(f"the limits of the joints coupled with {name!r} leave no position: give wider ones")
-        return None if np.isinf(lower) and np.isinf(upper) else (float(lower), float(upper))
+        return None if np.isinf(lower) and np.isinf(upper) else (float(lower), float(max(lower, upper)))
 
     def own_limits(self, name: str) -> tuple[float, float] | None:
         """The limits that the joint of a number has."""
