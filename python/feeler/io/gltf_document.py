@@ -61,6 +61,8 @@ class Document:
         # Memory of its Python objects: a list or object about 100 bytes, any other value about 64.
         values = 100 * (text.count(b"[") + text.count(b"{")) + 64 * text.count(b",")
         check_memory(2 * len(text) + values, f"{path}: its JSON")
+        if text is data and not decoded(data).lstrip().startswith(b"{"):
+            raise self.fail("this is neither a GLB file nor the JSON of glTF")
         readable = utf8_text(decoded(text), path)
         try:
             root = json.loads(readable)
