@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { JointMover } from "../src/actions/joints";
+import { isRules, JointMover } from "../src/actions/joints";
 import type { JointPlace, JointRange, Mechanism } from "../src/link/protocol";
 import { IDENTITY, translation } from "../src/math/matrix";
 import { barOf, gapClass, gapText, isFixed, numberOf, partsOf, placesAt, spanOf, stepped } from "../src/model/joints";
@@ -139,4 +139,10 @@ test("colours are told in the unit that is shown, and a joint between two stops 
   const met = { part: 0, other: 1, point: [0, 0, 0] as [number, number, number] };
   assert.equal(isFixed({ ...RANGE, upper: 0, below: met, above: met }), true);
   assert.equal(isFixed({ ...RANGE, upper: 0, below: met }), false);
+});
+
+test("rules for clash checks are told from mechanisms", () => {
+  for (const text of ['version = 1\n[[rule]]\nname = "x"', "  [[exclude]]\r\nfasteners = true"])
+    assert.ok(isRules(text));
+  for (const text of ["", "[[joint]]\n[[rule]]", 'name = "[[rule]]"', "# [[rule]]"]) assert.equal(isRules(text), false);
 });

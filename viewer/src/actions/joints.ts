@@ -202,7 +202,11 @@ export function chooseMechanism(wb: Workbench): void {
 
 export const isMechanism = (file: Pick<File, "name">): boolean => /\.toml$/i.test(file.name);
 
-/** Opens a mechanism that was chosen or dropped. */
+/** Whether a TOML file has rules for clash checks, and no mechanism. */
+export const isRules = (text: string): boolean =>
+  /^[ \t]*\[\[(rule|exclude)\]\]/m.test(text) && !/^[ \t]*\[\[joint\]\]/m.test(text);
+
+/** Opens a mechanism that was chosen or dropped; rules for clash checks, too. */
 export async function openMechanism(wb: Workbench, file: File): Promise<void> {
   if (file.size > MOST_BYTES) {
     wb.store.notify("error", `${file.name} is too long for a mechanism: name parts by patterns.`);
@@ -210,6 +214,10 @@ export async function openMechanism(wb: Workbench, file: File): Promise<void> {
   }
   try {
     const text = await file.text();
+    if (isRules(text)) {
+      if (await wb.run("clash_settings", { rules: text })) wb.store.panel.value = "findings";
+      return;
+    }
     if (await wb.run("mechanism_open", { name: file.name, text })) wb.store.panel.value = "mechanism";
   } catch (error) {
     wb.tell(error);
