@@ -119,6 +119,46 @@ def test_an_overlap_lets_nothing_thin_through_a_wall(part: Mesh, overlap: float)
     assert not feeler.removal(boxed(part), "part", overlap=overlap, rounds=2, seconds=1.0, threads=1).is_found
 
 
+FIN: Cells = [(1, 1, 0), (2, 1, 0), (3, 1, 0), (4, 1, 0), (1, 1, 1), (1, 1, 2)]
+"""A block with a fin, at its layer 1 of a grid, ..."""
+FOIL: Cells = [(3, 0, 0), (3, 0, 1), (3, 0, 2), (3, 1, 2)]
+"""... on the edge of a foil, at layer 3, which stands in the way of the fin."""
+
+
+def fin_and_foil(thin: float, between: float, grown: float, turn: Floats) -> dict[str, Mesh]:
+    widths = ((0.01, thin, between, thin, 0.02), (0.01, 0.02), (0.02, 0.002, 0.02))
+    edges = [np.cumsum([0.0, *along]) for along in widths]
+
+    def stretched(cells: Cells) -> Mesh:
+        points, faces = blocks(cells, grown, np.eye(3))
+        numbers = np.rint(points / SIDE).astype(int)
+        places = [edges[axis][numbers[:, axis]] for axis in range(3)]
+        return (np.column_stack(places) + points - SIDE * numbers) @ turn.T, faces
+
+    return {"one": stretched(FIN), "other": stretched(FOIL)}
+
+
+@pytest.mark.parametrize(("overlap", "grown"), [(0.0, 2e-5), (6e-5, 0.0), (6e-5, 2e-5)])
+def test_nothing_thin_goes_through_a_foil_between_two_looks(overlap: float, grown: float) -> None:
+    """Narrow strips along the edges keep a smaller block from being made: pressed in, it is looked at, not cast."""
+    for seed, between in enumerate(np.linspace(0.011, 0.012, 4)):
+        turn = turned(seed)
+        parts = fin_and_foil(2e-4, float(between), grown, turn)
+        scene = feeler.Scene(mockup_of(parts), threads=1)
+        way = feeler.removal(scene, "one", overlap=overlap, directions=[turn[:, 0]], rounds=1, seconds=20.0, threads=1)
+        tool, others = feeler.Tool(*parts["one"]), scene.without("one")
+        pose = np.eye(4)
+        for leg in way.legs:
+            assert leg.screw is None and leg.rotation < 1e-9, str(leg)
+            for share in np.linspace(0.0, 1.0, 1001):
+                at = np.eye(4)
+                at[:3, 3] = pose[:3, 3] + share * (leg.pose - pose)[:3, 3]
+                # What it may be: as deep as at the start, and the error of that, or as the overlap; and 10 um between two looks.
+                assert others.depth(tool, at).depths.max(initial=0.0) < 8e-5, (seed, str(leg))
+            pose = leg.pose
+        assert way.is_found
+
+
 @pytest.mark.parametrize("is_rounded", [False, True])
 def test_a_part_of_several_blocks_slides_between_flush_walls_in_any_pose(is_rounded: bool) -> None:
     """Blocks that share a whole side, as bodies of one part in CAD files do."""
