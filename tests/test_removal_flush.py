@@ -153,7 +153,7 @@ def test_nothing_thin_goes_through_a_foil_between_two_looks(overlap: float, grow
             for share in np.linspace(0.0, 1.0, 501):
                 at = np.eye(4)
                 at[:3, 3] = pose[:3, 3] + share * (leg.pose - pose)[:3, 3]
-                # What it may be: as deep as at the start, and the error of that, or as the overlap; and 10 um between two looks.
+                # As deep as at the start, with the error of that, or as the overlap; and 10 um more between two looks.
                 assert others.depth(tool, at).depths.max(initial=0.0) < 8.1e-5, (seed, str(leg))
             pose = leg.pose
         assert way.is_found
