@@ -73,11 +73,12 @@ def deepest(one: Cells, other: Cells, ways: Floats, grown: float) -> float:
 
 @pytest.mark.parametrize("grown", [0.0, 1e-6, 2e-5])
 def test_a_way_of_flush_blocks_goes_into_no_neighbour(grown: float) -> None:
-    found = 0
-    for (one, other), seed in itertools.product(((RING, CORE), (BASE, COVER)), range(5)):
+    # Pressed in, their depth is bounded in short steps, which takes longer.
+    found, seeds = 0, 2 if grown else 5
+    for (one, other), seed in itertools.product(((RING, CORE), (BASE, COVER)), range(seeds)):
         turn = turned(seed)
         parts = {"one": blocks(one, grown, turn), "other": blocks(other, grown, turn)}
-        way = feeler.removal(feeler.Scene(mockup_of(parts), threads=1), "one", rounds=1, seconds=5.0, threads=1)
+        way = feeler.removal(feeler.Scene(mockup_of(parts), threads=1), "one", rounds=1, seconds=600.0, threads=1)
         found += way.is_found
         for leg, start in zip(way.legs, [np.eye(4), *(leg.pose for leg in way.legs)], strict=False):
             if leg.screw is not None or leg.rotation > 1e-9:
@@ -85,7 +86,7 @@ def test_a_way_of_flush_blocks_goes_into_no_neighbour(grown: float) -> None:
             shares = np.linspace(0.0, 1.0, 201)[:, None]
             ways = (start[:3, 3] + shares * (leg.pose - start)[:3, 3]) @ turn
             assert deepest(one, other, ways, grown) < (2.2 * grown + 1.1e-5 if grown else 1.1e-6), (seed, str(leg))
-    assert found == 10
+    assert found == 2 * seeds
 
 
 def boxed(part: Mesh) -> feeler.Scene:
