@@ -11,7 +11,8 @@ pub const TOUCH: f64 = 1e-6;
 pub const FLUSH_PLAY: f64 = 1e-6;
 
 /// How far a seated pair that is in each other may go deeper, or leave its place, metres: facets of curved surfaces differ by as much.
-/// Larger: parts are drawn through bumps of that height.
+/// Verified, a pair may be that much deeper between two looks. Larger: parts are drawn through bumps of that height; smaller: paths along
+/// surfaces that are looked at take more looks.
 pub const SEAT_TOLERANCE: f64 = 1e-5;
 
 /// The depth of a fit is found to this factor. Less: it may go less deeper than it was, and takes longer to find.

@@ -21,16 +21,16 @@ pub struct WalkOptions<'a> {
     pub directions: &'a [Point],
     /// Of casts of pairs that are not seated, metres.
     pub tolerance: f64,
-    /// How often seated pairs are measured, in times of the steps of a search.
+    /// Whether a way is given after this: steps are shorter than those of a search, and depths by points are proven between them.
     #[doc(hidden)]
-    pub finer: f64,
+    pub verifies: bool,
     /// Asked every few milliseconds, and may stop the walk with an error.
     pub go_on: GoOn<'a>,
 }
 
 impl Default for WalkOptions<'_> {
     fn default() -> Self {
-        WalkOptions { directions: &[], tolerance: TOUCH, finer: 1.0, go_on: GoOn::default() }
+        WalkOptions { directions: &[], tolerance: TOUCH, verifies: false, go_on: GoOn::default() }
     }
 }
 
@@ -38,7 +38,7 @@ impl<'a> WalkOptions<'a> {
     /// Before a way is given.
     #[doc(hidden)]
     pub fn verify(goes_on: &'a (dyn Fn() -> bool + Sync)) -> WalkOptions<'a> {
-        WalkOptions { finer: VERIFY_FINER, go_on: GoOn::new(goes_on), ..WalkOptions::default() }
+        WalkOptions { verifies: true, go_on: GoOn::new(goes_on), ..WalkOptions::default() }
     }
 
     /// While ways are sought.
@@ -110,6 +110,8 @@ pub struct Stop {
 struct Part {
     fraction: f64,
     end: End,
+    /// From when on an overlap is used.
+    meets: Option<f64>,
 }
 
 enum End {
@@ -139,7 +141,7 @@ impl Surroundings {
             let motion = whole.rest(&self.tool, done)?;
             // Also of a motion that ends before it is cast: a search that is bounded by casts ends.
             casts += 1;
-            let part = self.part(&seated, &motion, options)?;
+            let part = self.proven(&seated, &motion, options)?;
             span(Span { seated: seated.clone(), motion: motion.until(&self.tool, part.fraction)? });
             done = if part.fraction < 1.0 { done + (1.0 - done) * part.fraction } else { 1.0 };
             match part.end {
@@ -157,11 +159,23 @@ impl Surroundings {
         }
     }
 
-    /// The same until a seat parts.
+    /// The same until a seat parts; where it is verified, as far as the depths by points are proven.
+    fn proven(&self, seated: &Arc<Seated>, motion: &Motion, options: WalkOptions<'_>) -> Result<Part> {
+        let part = self.part(seated, motion, options)?;
+        if options.verifies && !matches!(part.end, End::Stopped(_)) {
+            if let Some((fraction, of)) = self.unproven(seated, motion, (part.meets, part.fraction), options.go_on)? {
+                let end = End::Stopped(Stop { part: of, pair: None, is_seat: true });
+                return Ok(Part { fraction, end, meets: part.meets });
+            }
+        }
+        Ok(part)
+    }
+
+    /// The same by casts, and by looks at sunk parts and overlaps.
     fn part(&self, seated: &Arc<Seated>, motion: &Motion, options: WalkOptions<'_>) -> Result<Part> {
         let tool = &self.tool;
         let mut first: Option<(f64, Stop)> = None;
-        let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop) });
+        let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop), meets: None });
         for (number, asked) in seated.bodies.iter().enumerate() {
             for part in &asked.smaller {
                 let cast = self.cast_of_smaller(part, motion, options)?;
@@ -172,7 +186,8 @@ impl Surroundings {
         if let Some((0.0, stop)) = first {
             return stopped(0.0, stop);
         }
-        let steps = (motion.longest_way() / self.stride * options.finer).ceil().max(1.0);
+        let finer = if options.verifies { VERIFY_FINER } else { 1.0 };
+        let steps = (motion.longest_way() / self.stride * finer).ceil().max(1.0);
         let measures = self.overlap > 0.0 || seated.bodies.iter().any(|asked| asked.sunk.is_some());
         // What is in each other mostly goes deeper at once: that costs less than a cast.
         if measures {
@@ -237,10 +252,10 @@ impl Surroundings {
                 last = time;
                 if meets.is_some_and(|meets| meets < time) && !self.is_colliding(seated, &pose) {
                     // Off the part that it met: from here on it is cast again.
-                    return Ok(Part { fraction: time, end: End::Parted(seated.clone()) });
+                    return Ok(Part { fraction: time, end: End::Parted(seated.clone()), meets });
                 }
                 if let Some(left) = self.left_at(seated, &pose)? {
-                    return Ok(Part { fraction: time, end: End::Parted(left) });
+                    return Ok(Part { fraction: time, end: End::Parted(left), meets });
                 }
             }
         }
@@ -248,7 +263,7 @@ impl Surroundings {
             Some(stop) => stopped(end, stop),
             None => {
                 let left = self.left_at(seated, motion.end())?;
-                Ok(Part { fraction: 1.0, end: left.map_or(End::Arrived, End::Parted) })
+                Ok(Part { fraction: 1.0, end: left.map_or(End::Arrived, End::Parted), meets })
             }
         }
     }
@@ -277,8 +292,8 @@ impl Surroundings {
             if let Some(deeper) = flush.iter().find(|one| one.moved < -FLUSH_PLAY) {
                 return Ok(Some(sunk.scene().mockup().part_of_face(deeper.flush.triangles[1])));
             }
-            if let Some(part) = self.deeper_than_at_start(body, sunk, pose, go_on)? {
-                return Ok(Some(part));
+            if let Some(deepest) = self.excess_of_shallow(body, sunk, pose, go_on)?.filter(|deepest| deepest.by > 0.0) {
+                return Ok(Some(deepest.part));
             }
             let pairs = self.sunk_pairs(body, sunk.scene(), pose);
             let inside = self.samples_inside(body, sunk.scene(), pose)?;
@@ -296,7 +311,8 @@ impl Surroundings {
                 }
             }
             // A part thinner than a wall can lie inside it: no triangles cross there, and no contact plane shows it.
-            return self.deeper_than_the_overlap(body, &asked.ordinary, pose, go_on);
+            let deepest = self.excess_of_overlap(body, &asked.ordinary, pose, go_on)?;
+            return Ok(Some(deepest.part).filter(|_| deepest.by > 0.0));
         }
         Ok(None)
     }
@@ -425,8 +441,8 @@ mod tests {
 
     #[test]
     fn a_way_is_verified_at_poses_between_those_of_the_search() {
-        // A block with a thin fin, which a thin post is in the way of: between two poses of the search it goes through the post, deeper
-        // than an overlap allows.
+        // A block with a thin fin, which a thin post is in the way of: between two poses of the search, or of the steps half as long of a
+        // verification, it goes through the post, deeper than an overlap allows.
         let (thin, overlap) = (2e-4, 5e-5);
         let block = box_mesh([0.0; 3], [0.02; 3], 1);
         let fin = box_mesh([0.0, 0.0125, 0.0], [thin, 0.006, 0.02], 1);
@@ -442,8 +458,8 @@ mod tests {
             Surroundings::new(Environment { bodies }, tool.clone(), 1, &start, (&allowed, 0.0), &|| true).unwrap()
         };
         let step = surroundings(0.05).stride;
-        assert!(step > 2.0 * thin);
-        for (post, is_seen) in [(20.5, false), (20.0, true)] {
+        assert!(step > 4.0 * thin);
+        for (post, is_seen) in [(20.25, false), (20.5, false), (20.0, true)] {
             let around = surroundings(post * step);
             let to = start.translated(&[39.99 * step, 0.0, 0.0]).unwrap();
             let walk = |care| around.walk(&around.seated_at_start(), (&start, &to), care).unwrap();

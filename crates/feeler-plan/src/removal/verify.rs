@@ -1,4 +1,4 @@
-//! Verifies a path, leg by leg, with the same allowances and finer steps.
+//! Verifies a path, leg by leg, with the same allowances, finer steps, and bounds on depths between them.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
