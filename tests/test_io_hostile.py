@@ -773,7 +773,9 @@ def test_real_bad_file(models, name, words):
     refuse(path, *words)
 
 
-@pytest.mark.parametrize("data", [bytes(range(256)) * 4, b"glTE" + bytes(60), b"\xff\xfe\x00\x01", b"[1, 2]", b"text\n"])
+@pytest.mark.parametrize(
+    "data", [bytes(range(256)) * 4, b"glTE" + bytes(60), b"\xff\xfe\x00\x01", b"[1, 2]", b"text\n"]
+)
 def test_what_is_no_gltf_is_told_so(tmp_path: Path, data: bytes) -> None:
     """Not that it should be text: GLB is none."""
     refuse(save(tmp_path, "a.glb", data), "neither a GLB file nor the JSON of glTF; export the file again")

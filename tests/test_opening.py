@@ -248,3 +248,16 @@ def test_boxes_in_a_narrow_slit(slit: float, aspect: float, turn_deg: float) -> 
     found = feeler.opening(scene, [0.0, 0.0, 0.0], Z, aspect=aspect, reach=0.02, most=2.0)
     assert about(found.width, slit / min(aspect, 1.0)), found.width
     assert found.height == pytest.approx(aspect * found.width)
+
+
+@pytest.mark.parametrize("aspect", [0.1, 0.25, 0.6, 4.0])
+def test_no_turn_of_a_box_in_a_window_is_missed(aspect: float) -> None:
+    """There are several that no small turn betters."""
+    rng = np.random.default_rng(1)
+    angles = np.linspace(0.0, math.pi, 20_001)
+    c, s = abs(np.cos(angles)), abs(np.sin(angles))
+    for width, height in [*rng.uniform(0.005, 0.08, (6, 2)).tolist(), [0.01985, 0.02791]]:
+        turn, shift = turn_of(rng), rng.uniform(-1.0, 1.0, 3)
+        truth = float(np.minimum(width / (c + aspect * s), height / (s + aspect * c)).max())
+        found = feeler.opening(posed(frame_of(width, height), turn, shift), shift, turn[:, 2], aspect=aspect)
+        assert about(found.width, truth), (width, height)

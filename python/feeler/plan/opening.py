@@ -31,6 +31,8 @@ MOST_M = 1.0
 """The largest probe, metres: openings beyond it are endless."""
 TURNS = 36
 """Turns of a box that are tried first."""
+MOST_TURNS = 1_000
+"""The most turns at which a larger box is ruled out afterwards."""
 FINE = 0.25
 """The share of the error to which sizes of boxes at different turns are known, and that the turn may cost."""
 CENTRING = 8
@@ -124,8 +126,8 @@ def opening(
     of its path.
 
     - `aspect`: height by width of the box, 0.01 to 100.
-    - `across`: the direction of the box's width; None: the best turn, which is tried at even steps and then refined,
-      so that a larger box at another turn is not ruled out.
+    - `across`: the direction of the box's width; None: the best turn. That of a box of which many turns are about
+      as good, such as a slender one in a round hole, may be missed after 1,000 turns.
     - `centre`: moves the place across the axis first, to where a larger ball goes through, step by step uphill.
     - `most`: sizes beyond it, metres, count as infinite.
     - `limits`: as `opening_limits` reads them; `Opening.fits` says which go through.
@@ -234,6 +236,19 @@ class _Passage:
                 break
             step *= 0.5
             turns = [turn - step, turn + step]
+        # A box that fits at a turn has one of its shape in it at each other turn, smaller by what the difference costs.
+        step, middles, tried = whole / TURNS, [whole / TURNS * k for k in range(TURNS)], 0
+        while middles and best < math.inf and tried + len(middles) <= MOST_TURNS:
+            tried, off, inner = tried + len(middles), math.radians(0.5 * step), list[float]()
+            for angle in middles:
+                least = (best + 2.0 * FINE * self._error) / (math.cos(off) + slender * math.sin(off))
+                if self._stopped(least * corners, _SQUARE, angle) is not None:
+                    continue  # so no turn within half a step has a larger one
+                size, part = largest(angle, best)
+                if size > best:
+                    best, turn, by = size, angle % whole, part
+                inner += [angle - 0.25 * step, angle + 0.25 * step]
+            step, middles = 0.5 * step, inner
         return best, turn, by
 
     def _largest(
