@@ -217,3 +217,30 @@ def test_thin_tubes_in_each_other_are_a_fit_of_the_walls_between_them_alone(seed
     mine, its = (lathe(line, 24, rng.uniform()) for line in lines_of("tubes", rng))
     moved = turning(mine, its, rng, "cylindrical")[0]
     assert [seat.kind for seat in moved.clearance({"j.turn": (0.0, 0.1)}).seats] == ["round"]
+
+
+@pytest.mark.parametrize("core", [0.76, 0.8, 0.85, 0.88])
+@pytest.mark.parametrize("kind", ["revolute", "cylindrical", "screw"])
+def test_a_bolt_as_wide_as_its_thread_turns_in_a_hole_as_wide_as_its_core(kind: str, core: float) -> None:
+    rng = np.random.default_rng([int(100 * core), len(kind)])
+    bolt = [(0.0, -0.5), (1.0, -0.5), (1.0, 3.5), (1.7, 3.5), (1.7, 4.3), (0.0, 4.3)]
+    plate = [(core, 0.0), (3.0, 0.0), (3.0, 3.0), (core, 3.0)]
+    sides = rng.integers(20, 64, 2).tolist()
+    mine, its = (lathe(line, count, rng.uniform()) for line, count in zip((bolt, plate), sides, strict=True))
+    turn, size, place = rotation(rng), 10.0 ** rng.uniform(-3.0, 0.0), rng.uniform(-3.0, 3.0, 3)
+    parts = {"bolt": (size * mine[0] @ turn.T + place, mine[1]), "plate": (size * its[0] @ turn.T + place, its[1])}
+    pitch = {"pitch": 0.2 * size} if kind == "screw" else {}
+    joint = Joint("j", kind, "plate", "bolt", turn[:, 2], place, **pitch)  # type: ignore[arg-type]
+    moved = Mechanism(feeler.Mockup(parts), [joint])
+    found = moved.range("j.turn" if kind == "cylindrical" else "j")
+    # The head meets the plate after 2.5 turns in; a turn without an end is told as one.
+    assert (found.lower, found.upper) == pytest.approx(FREE) and [seat.kind for seat in found.seats] == ["round"]
+
+
+def test_a_deep_ring_of_lugs_is_no_thread() -> None:
+    """They stop each other where they do not go all around: a key of 15 % in a shaft."""
+    rng = np.random.default_rng(3)
+    mine, its = lugged((0.0, 2.0), 1.0, 1.15, 48), lugged((-0.783, 2.5), 1.0, 1.15, 60, 2.0)
+    moved, is_first = turning(mine, its, rng)
+    found = moved.range("j")
+    assert (found.lower, found.upper) == pytest.approx((-0.783, 0.5) if is_first else (-0.5, 0.783), abs=1e-6)

@@ -29,6 +29,7 @@ _UPRIGHT = 1e-3  # cosine of a facet's normal with the axis
 _SAME = 2e-4  # differences of radii on one surface, as a share of them: axes are found
 _GRID_M, _GRID_SHARE = 1e-6, 5e-3  # and beside it: files are rounded; by a share at most, where all is small
 _PRESS = 0.1  # a part is pressed into the other by this share of its radius at most
+_THREAD = 0.28  # the same where both go all around: bolts are drawn as wide as their thread, and holes as its core
 _OPPOSED = -0.7  # cosine of the normals of two surfaces that lie in each other
 _STEEP = 0.3  # a surface that leans more moves along its normal: a move along the radius would be long
 _BALL_RAD = 0.05  # the segments that stand for the circle of a ball
@@ -122,7 +123,7 @@ def rounds_of(
         kept = np.zeros(len(vertices), dtype=bool)
         for each in near:
             low, high = _radii(each)
-            kept |= (radius >= 0.8 * low - each.slack) & (radius <= 1.2 * high + each.slack)
+            kept |= (radius >= (1.0 - _THREAD) * low - each.slack) & (radius <= high / (1.0 - _THREAD) + each.slack)
         numbers = np.flatnonzero(kept[faces].all(axis=1))
     if not len(numbers):
         return []
@@ -419,14 +420,16 @@ def _longest_arc(begin: Floats, span: Floats) -> float:
 def clearing(own: Sequence[Round], others: Sequence[Round]) -> list[tuple[Round, float]]:
     """The surfaces of a part whose facets cross those of another as it turns, and how far they move in to be clear."""
     pieces = [(k, *piece) for k, each in enumerate(own) for piece in each.bound()]
-    theirs = [piece for each in others for piece in each.bound()]
+    theirs = [(len(each.facets) > 0, *piece) for each in others for piece in each.bound()]
     if not pieces or not theirs:
         return []
-    lines = np.array([*(ends for _, ends, _ in pieces), *(ends for ends, _ in theirs)])
+    lines = np.array([*(ends for _, ends, _ in pieces), *(ends for _, ends, _ in theirs)])
     found: dict[int, float] = {}
-    start, normals = np.array([ends for ends, _ in theirs]), np.array([normal for _, normal in theirs])
+    start, normals = np.array([ends for _, ends, _ in theirs]), np.array([normal for *_, normal in theirs])
+    shares = np.where([is_whole for is_whole, *_ in theirs], _THREAD, _PRESS)
     for k, ends, normal in pieces:
-        way, most = ends[1] - ends[0], _PRESS * float(ends[:, 0].max())
+        way, wide = ends[1] - ends[0], float(ends[:, 0].max())
+        deepest = wide * (shares if len(own[k].facets) else np.minimum(shares, _PRESS))
         length = float(np.linalg.norm(way))
         way = way / length
         along, gap = (start - ends[0]) @ way, (start - ends[0]) @ normal
@@ -436,7 +439,11 @@ def clearing(own: Sequence[Round], others: Sequence[Round]) -> list[tuple[Round,
             first, last = np.argsort(along[number])
             gaps = np.interp(at, along[number][[first, last]], gap[number][[first, last]])
             least = float(gaps.min())
-            if least >= CLEAR_M or least < -most or _parts(lines, ends[0], way, normal, float(at.mean()), gaps.mean()):
+            if (
+                least >= CLEAR_M
+                or least < -deepest[number]
+                or _parts(lines, ends[0], way, normal, float(at.mean()), gaps.mean())
+            ):
                 continue
             by = (CLEAR_M - least) / (math.cos(0.5 * own[k].step) if own[k].is_hole and own[k].ball is None else 1.0)
             found[k] = max(found.get(k, 0.0), by)
