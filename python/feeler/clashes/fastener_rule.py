@@ -187,5 +187,5 @@ def _is_of_standard(text: str, last: str) -> bool:
     if not last or last in _SIZED or last in _HEADS or last in _DESCRIBING or last.endswith(_ENDINGS):
         return True
     match = _STANDARD.search(text) or _AMERICAN.search(text)
-    before = _said(text[: match.start()]) if match else None
-    return bool(before) and (before[-1] in _NOUNS or before[-1].endswith(_ENDINGS))
+    before = (_said(text[: match.start()]) if match else None) or [""]
+    return before[-1] in _NOUNS or before[-1].endswith(_ENDINGS)

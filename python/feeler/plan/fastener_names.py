@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 import unicodedata
+from collections import Counter
 
 from feeler.mockup import Mockup
 
@@ -245,8 +246,17 @@ def telling_name(path: str, name: str | None = None) -> str:
 
 
 def name_of(mockup: Mockup, part: int) -> str:
-    """What tells about a part: its name, or that of the step above."""
-    return telling_name(mockup.part_paths[part], mockup.part_names[part])
+    """What tells about a part: its name, or a default one's step above, if no other part is in that step."""
+    known = mockup._remembered.get("telling names")
+    if known is None:
+        paths, names = mockup.part_paths, mockup.part_names
+        within = Counter(path.rpartition("/")[0] for path in paths)
+        known = [
+            telling_name(path, name) if within[path.rpartition("/")[0]] == 1 else name
+            for path, name in zip(paths, names, strict=True)
+        ]
+        mockup._remembered["telling names"] = known
+    return str(known[part])
 
 
 def says_nothing(name: str) -> bool:
