@@ -122,8 +122,9 @@ def test_sub_assemblies() -> None:
         *("hex nut/Solid1", "hex nut/Body", "M8 x 30", "HexBolt_12", "SHCS M5x20", "Scheibe M8", "DIN 125 Scheibe"),
         *("cover_screw_inner_3", "screw M6x20 left", "nut for cover", "\u00c9crou M6", "ASME B18.2.1"),
         *("Schraube DIN 933 M8", "Hex Bolt DIN 933 Fabory", "Hexagon socket head cap DIN 912", "Beilagscheibe DIN 125"),
-        *("bolt (2)", "Screw (M8)", "Screw, pan head", "4711-23 - Bolt M8", "DIN 912 - M8x1,25 - verzinkt"),
+        *("bolt (2)", "petite vis M4", "Screw, pan head", "4711-23 - Bolt M8", "DIN 912 - M8x1,25 - verzinkt"),
         *("Washer M8/Cylinder.001", "Washer M8/Cylinder-mesh", "Bolt/geom-12", "Bolt/Cube", "Bolt/Mesh.004"),
+        *("plain washer normal grade a_iso", "hexagon nut style 1 grade ab_iso", "Screw (M8)"),
     ],
 )
 def test_names_of_fasteners(name: str) -> None:

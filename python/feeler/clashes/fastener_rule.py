@@ -69,7 +69,7 @@ QUALIFIERS = (
 NEUTRAL = (
     "left right top bottom upper lower front rear back inner outer main copy mirror mirrored instance default part "
     "assy asm zinc plated steel stainless black brass galvanised galvanized verzinkt links rechts oben unten vorne "
-    "hinten din iso asme ansi grade class unc unf"
+    "hinten din iso asme ansi grade class style normal unc unf"
 )
 """Words after a noun that do not change its meaning."""
 

@@ -101,9 +101,9 @@ PLACES = (
     "centre center inboard outboard fore aft half halves first second third small big large short long oben unten "
     "vorn vorne hinten links rechts innen aussen mitte mittig gross klein kurz lang oberteil unterteil halfte "
     "haelfte obere untere vordere hintere linke rechte avant arriere haut bas gauche droite droit interieur "
-    "exterieur superieur inferieur milieu petit grand anteriore posteriore superiore inferiore sinistro destro "
-    "sinistra destra interno esterno piccolo grande delantero trasero superior inferior izquierdo izquierda derecho "
-    "derecha interior exterior pequeno geteilt geteilte einteilig zweiteilig"
+    "exterieur superieur inferieur milieu petit petite grand grande anteriore posteriore superiore inferiore "
+    "sinistro destro sinistra destra interno esterno piccolo piccola delantero trasero superior inferior izquierdo "
+    "izquierda derecho derecha interior exterior pequeno pequena geteilt geteilte einteilig zweiteilig"
 )
 """Words behind a noun that say where or how large it is, or in how many pieces."""
 
