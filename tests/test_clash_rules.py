@@ -121,6 +121,10 @@ def test_sub_assemblies() -> None:
         *("bolt_12", "M8x25 screw", "DIN 912 M6", "DIN 912 M8x30", "ISO4014-M8", "Mutter M8", "Unterlegscheibe"),
         *("hex nut/Solid1", "hex nut/Body", "M8 x 30", "HexBolt_12", "SHCS M5x20", "Scheibe M8", "DIN 125 Scheibe"),
         *("cover_screw_inner_3", "screw M6x20 left", "nut for cover", "\u00c9crou M6", "ASME B18.2.1"),
+        *("Schraube DIN 933 M8", "Hex Bolt DIN 933 Fabory", "Hexagon socket head cap DIN 912", "Beilagscheibe DIN 125"),
+        *("bolt (2)", "petite vis M4", "Screw, pan head", "4711-23 - Bolt M8", "DIN 912 - M8x1,25 - verzinkt"),
+        *("Washer M8/Cylinder.001", "Washer M8/Cylinder-mesh", "Bolt/geom-12", "Bolt/Cube", "Bolt/Mesh.004"),
+        *("plain washer normal grade a_iso", "hexagon nut style 1 grade ab_iso", "Screw (M8)"),
     ],
 )
 def test_names_of_fasteners(name: str) -> None:
@@ -149,6 +153,7 @@ def test_first_nouns_alone_need_more(name: str) -> None:
 @pytest.mark.parametrize(
     "name",
     [
+        *("Bracket (bolt)", "Cover - screw", "dish washer", "parts washer", "wall stud"),
         *("Nut_housing", "lead screw", "LeadScrew", "ISO_K_100_pipe", "M8 housing", "pump/key", "Vis sans fin M20"),
         *(
             "Vis à billes",
@@ -169,6 +174,9 @@ def test_names_of_other_things(name: str) -> None:
     [
         *("DIN 2633 Flansch DN50", "ANSI 150 flange", "Washer_pump", "donut", "nutrient tank", "studio", "bolts/pump"),
         *("ISO 9001 label", "M6x20 spacer", "Luftschraube", "", "\u87ba\u6813"),
+        *("Bolt-on bracket", "Bolt on flange", "screw-in sensor", "Halter f\u00fcr DIN 912", "DIN 933 Bohrplatte"),
+        *("Flansch DIN 933", "Flansch (Schraube DIN 933)", "Abdeckung Schraube", "support vis", "plaque \u00e9crou"),
+        *("DIN 912 holder", "soporte tornillo", "pump/Cylinder.001", "Cylinder.001"),
     ],
 )
 def test_names_that_do_not_say(name: str) -> None:
@@ -190,6 +198,21 @@ def test_fasteners_are_known_by_their_shape() -> None:
             rules={"exclude": [{"name": "f", "fasteners": True}]},
         )
         assert (len(found), found.hidden) == (1 - hidden, {"f": hidden})
+
+
+@pytest.mark.parametrize(("size", "hidden"), [((0.02, 0.03, 0.04), 1), ((0.02, 0.02, 1.2), 1), ((0.5, 0.8, 1.0), 0)])
+@pytest.mark.parametrize("name", ["Washer M8", "bolt", "DIN 125"])
+def test_large_parts_are_no_fasteners_whatever_their_name(
+    name: str, size: tuple[float, float, float], hidden: int
+) -> None:
+    """A threaded rod may be long."""
+    parts = {"wall": box((-1.0, -1.0, -0.2), (1.0, 1.0, 0.01)), name: box((0.0, 0.0, 0.0), size)}
+    found = feeler.clash(mockup_of(parts), rules={"exclude": [{"name": "f", "fasteners": True}]})
+    assert (len(found), found.hidden) == (1 - hidden, {"f": hidden})
+    tried = feeler.clash(mockup_of(parts)).with_rules(
+        {"exclude": [{"name": "f", "fasteners": True}]}, mockup=mockup_of(parts)
+    )
+    assert tried.hidden == {"f": hidden}
 
 
 def test_each_rule_says_how_many_findings_it_hides(mockup: feeler.Mockup) -> None:

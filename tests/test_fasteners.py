@@ -182,6 +182,15 @@ def test_of_a_stud_the_name_says_what_it_is() -> None:
     assert not feeler.find_fasteners(mockup_of({"pin": parts["stud"], "plate": parts["plate"]}))
 
 
+def test_a_default_name_leaves_it_to_the_step_above_if_that_is_of_one_part() -> None:
+    """Blender's COLLADA names geometries "Cylinder.001"; a file of a screw pump is not all of screws."""
+    rod, plate = placed(hardware.roller(0.004, 0.05, USUAL), at(z=0.01)), box((-0.1, -0.1, -0.03), (0.1, 0.1, -0.001))
+    for name in ("Cylinder.001", "Cylinder-mesh", "geom-12", "Cube", "Solid1", "Body (2)"):
+        (row,) = feeler.find_fasteners(mockup_of({f"engine/stud/{name}": rod, "engine/plate": plate}))
+        assert row.kind == "stud" and "its name says stud" in row.because
+        assert not feeler.find_fasteners(mockup_of({f"stud press/{name}": rod, "stud press/plate": plate}))
+
+
 def test_a_rod_in_a_nut_is_a_stud() -> None:
     rod, nut = hardware.roller(0.004, 0.05, USUAL), hardware.nut(0.008, USUAL)
     pose = tilted(3)

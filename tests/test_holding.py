@@ -212,7 +212,9 @@ def test_a_clamp_passes_it_on() -> None:
     assert only(feeler.holds(tilted(parts, 8)), "bolt").paths == ("pipe_clamp", "pipe")
 
 
-def test_pins_and_circlips() -> None:
+@pytest.mark.parametrize("step", ["", "/Cylinder.001"])
+def test_pins_and_circlips(step: str) -> None:
+    """Also if a default name of a program is below theirs."""
     shaft = hardware.revolve(
         np.array(
             [
@@ -231,15 +233,15 @@ def test_pins_and_circlips() -> None:
     parts = {
         "shaft": plain(shaft),
         "gear": ring(0.00601, -0.02, 0.0),
-        "circlip": ring(0.0056, 0.0, 0.00099, 0.009, FINE),
+        f"circlip{step}": ring(0.0056, 0.0, 0.00099, 0.009, FINE),
         "arm": ring(0.0031, -0.005, 0.005, 0.01),
         "post": ring(0.0031, -0.025, -0.005, 0.01),
-        "dowel_pin": plain(hardware.ring(1e-5, 0.003, 0.02, USUAL), at(z=-0.015)),
+        f"dowel_pin{step}": plain(hardware.ring(1e-5, 0.003, 0.02, USUAL), at(z=-0.015)),
     }
-    for name in ("arm", "post", "dowel_pin"):
+    for name in ("arm", "post", f"dowel_pin{step}"):
         parts[name] = (parts[name][0] + np.array([0.1, 0.0, 0.0]), parts[name][1])
     found = feeler.holds(tilted(parts, 9))
-    ring_row, pin = only(found, "circlip"), only(found, "dowel_pin")
+    ring_row, pin = only(found, f"circlip{step}"), only(found, f"dowel_pin{step}")
     assert ring_row.paths == ("gear",) and ring_row.anchor_path == "shaft" and ring_row.kind == "circlip"
     assert sorted(pin.paths) == ["arm", "post"] and pin.kind == "dowel"
 

@@ -131,7 +131,7 @@ def _shaped(clashes: Table, mockup: Mockup) -> Shaped:
             "checked"
         )
     parts, shaped = np.array([known[key] for key in clashes.keys], dtype=np.intp), shape_of(mockup)
-    return lambda: shaped()[parts]
+    return lambda: shaped()[:, parts]
 
 
 def _least_reach(clashes: Table) -> float:

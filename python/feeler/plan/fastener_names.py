@@ -5,6 +5,9 @@ from __future__ import annotations
 import itertools
 import re
 import unicodedata
+from collections import Counter
+
+from feeler.mockup import Mockup
 
 PIPES = (
     "pipe pipes tube tubes tubing hose hoses line lines rohr rohrleitung leitung schlauch tuyau tuyaux tubo tubi tubos "
@@ -98,9 +101,9 @@ PLACES = (
     "centre center inboard outboard fore aft half halves first second third small big large short long oben unten "
     "vorn vorne hinten links rechts innen aussen mitte mittig gross klein kurz lang oberteil unterteil halfte "
     "haelfte obere untere vordere hintere linke rechte avant arriere haut bas gauche droite droit interieur "
-    "exterieur superieur inferieur milieu petit grand anteriore posteriore superiore inferiore sinistro destro "
-    "sinistra destra interno esterno piccolo grande delantero trasero superior inferior izquierdo izquierda derecho "
-    "derecha interior exterior pequeno geteilt geteilte einteilig zweiteilig"
+    "exterieur superieur inferieur milieu petit petite grand grande anteriore posteriore superiore inferiore "
+    "sinistro destro sinistra destra interno esterno piccolo piccola delantero trasero superior inferior izquierdo "
+    "izquierda derecho derecha interior exterior pequeno pequena geteilt geteilte einteilig zweiteilig"
 )
 """Words behind a noun that say where or how large it is, or in how many pieces."""
 
@@ -130,6 +133,12 @@ OTHERS = (
 GENERIC = "part body solid component compound shape object mesh node item product instance copy default assembly"
 """Words of generated names, which say nothing about a part."""
 
+DRAWN = (
+    "volume geom geometry geo cube cuboid cylinder sphere icosphere cone torus plane circle polygon extrude extrusion "
+    "revolve"
+)
+"""Words of names that programs give to what they draw, in addition to `GENERIC`."""
+
 HEADS = "head headed hd set cap button countersunk flat pan drive shoulder"
 """Words before "socket" that describe a screw."""
 
@@ -145,6 +154,7 @@ _KEEPERS = frozenset(KEEPERS.split())
 _PIPES = frozenset(PIPES.split())
 _OTHERS = frozenset(OTHERS.split())
 _GENERIC = frozenset(GENERIC.split())
+_DEFAULT = re.compile(rf"(?:{'|'.join([*GENERIC.split(), *DRAWN.split()])}|[ _.:#()\-\d])*", re.IGNORECASE)
 _HEADS = frozenset(HEADS.split())
 _SUPPORTING = frozenset(SUPPORTING.split())
 _STANDARD = re.compile(r"(?:din|iso|en)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?(\d{2,5})(?!\d)", re.IGNORECASE)
@@ -162,7 +172,7 @@ def kind_said(name: str) -> str | None:
     standard = _STANDARD.search(name)
     if standard is not None and standard.group(1) in _KIND_OF_STANDARD:
         return _KIND_OF_STANDARD[standard.group(1)]
-    plain = _without_accents(name)
+    plain = without_accents(name)
     # "set screw, socket" is a screw, and so is a screw with washer: words behind these describe it.
     phrases = [phrase for described in _WITH.split(plain) for phrase in re.split(r"[,;(]", described)]
     return next((said for said in map(_said, phrases) if said is not None), None)
@@ -170,7 +180,7 @@ def kind_said(name: str) -> str | None:
 
 def may_be_pin(name: str) -> bool:
     """Whether a name that says bolt or stud is as often that of a pin: "Bolzen", but not "Bolzen M8"."""
-    return not _METRIC.search(name) and any(word in _BOLT_OR_PIN for word in words(_without_accents(name)))
+    return not _METRIC.search(name) and any(word in _BOLT_OR_PIN for word in words(without_accents(name)))
 
 
 def retainer_said(name: str) -> str | None:
@@ -180,7 +190,7 @@ def retainer_said(name: str) -> str | None:
     number = "" if standard is None else standard.group().lstrip("DINSOEdinsoe _-")
     if number in _RETAINER_OF_STANDARD:
         return _RETAINER_OF_STANDARD[number]
-    plain = _WITH.split(_without_accents(name))[0]
+    plain = _WITH.split(without_accents(name))[0]
     # "retaining ring, external" is one: words after a comma may describe it.
     phrases = dict.fromkeys([plain, re.split(r"[,;(]", plain)[0]])
     return next((said for said in map(_retainer, phrases) if said is not None), None)
@@ -207,16 +217,17 @@ def _retainer(phrase: str) -> str | None:
 
 def is_by_hand(name: str) -> bool:
     """Whether a name says that a screw is turned by hand."""
-    return any(word in _BY_HAND for word in words(_without_accents(name)))
+    return any(word in _BY_HAND for word in words(without_accents(name)))
 
 
 def is_pipe(name: str) -> bool:
     """Whether a name says pipe or hose."""
-    said = words(_without_accents(name))
+    said = words(without_accents(name))
     return any(word in _PIPES or word.endswith(("rohr", "schlauch", "leitung")) for word in said)
 
 
-def _without_accents(name: str) -> str:
+def without_accents(name: str) -> str:
+    """The name in plain letters."""
     plain = unicodedata.normalize("NFKD", name.replace("\u00df", "ss"))
     return "".join(each for each in plain if not unicodedata.combining(each))
 
@@ -224,6 +235,28 @@ def _without_accents(name: str) -> str:
 def words(name: str) -> list[str]:
     """The words of a name, in lower case: "SnapRing_12" has "snap" and "ring"."""
     return [word.lower() for word in _WORD.findall(name)]
+
+
+def telling_name(path: str, name: str | None = None) -> str:
+    """The name of a part, by default the last step of its path; the step above if it is a default name of a program,
+    such as "Solid1" and "Cylinder.001"."""
+    folder, _, last = path.rpartition("/")
+    known = [last if name is None else name, last, folder.rpartition("/")[2]]
+    return next((each for each in known if not _DEFAULT.fullmatch(each)), known[0])
+
+
+def name_of(mockup: Mockup, part: int) -> str:
+    """What tells about a part: its name, or a default one's step above, if no other part is in that step."""
+    known = mockup._remembered.get("telling names")
+    if known is None:
+        paths, names = mockup.part_paths, mockup.part_names
+        within = Counter(path.rpartition("/")[0] for path in paths)
+        known = [
+            telling_name(path, name) if within[path.rpartition("/")[0]] == 1 else name
+            for path, name in zip(paths, names, strict=True)
+        ]
+        mockup._remembered["telling names"] = known
+    return str(known[part])
 
 
 def says_nothing(name: str) -> bool:

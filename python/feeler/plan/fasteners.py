@@ -26,7 +26,7 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import is_by_hand, kind_said, may_be_pin, says_nothing
+from feeler.plan.fastener_names import is_by_hand, kind_said, may_be_pin, name_of, says_nothing
 from feeler.plan.fastener_shape import Looks, bore_of, is_long, is_plain, is_round_nut, looks_of, needs_thread, rod_of
 from feeler.plan.same_shapes import SameShape, same_shapes
 from feeler.plan.wound import wound
@@ -40,6 +40,8 @@ KINDS = FASTENER_KINDS
 
 LARGEST_M = 0.6
 """The longest side of the box of examined parts: longer bolts are rare, and large parts cost time."""
+ROD_WIDTH_M = 0.25
+"""How wide the box of a longer part may be that is named as a fastener: threaded rods, also turned ones."""
 MOST_TRIANGLES = 100_000
 """The most triangles of examined parts; a bolt with a finely meshed thread has some ten thousand."""
 
@@ -257,16 +259,24 @@ def shaped_as_fasteners(mockup: Mockup) -> npt.NDArray[np.int64]:
     return np.array(sorted(row.part for row, _ in found if row.confidence >= STRONG), dtype=np.int64)
 
 
+def sized_as_fasteners(mockup: Mockup) -> npt.NDArray[np.bool_]:
+    """The parts that are not too large for a fastener, `(parts,)`; rods may be longer than `LARGEST_M`."""
+    bounds = mockup.part_bounds.reshape(-1, 2, 3)
+    sides = np.sort(bounds[:, 1] - bounds[:, 0], axis=1)
+    return np.asarray((sides[:, 2] <= LARGEST_M) | (sides[:, 1] <= ROD_WIDTH_M))
+
+
 def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress | None) -> list[tuple[Fastener, Looks]]:
     """The fasteners among the parts, each with its looks; which of two equal ends is outside is still open. Of less
     than `LEAST_CONFIDENCE` are nuts that only a thread in their bore shows."""
-    said = [kind_said(name) for name in world.part_names]
+    names = [name_of(world, part) for part in range(world.part_count)]
+    said = [kind_said(name) for name in names]
     is_naming = any(kind in KINDS for kind in said)
     small = _small(world, chosen)
     found: list[tuple[Fastener, Looks]] = []
     done = 0
     for shape in same_shapes(world, small):
-        found += _of_shape(world, shape, said, is_naming)
+        found += _of_shape(world, shape, names, said, is_naming)
         done += len(shape.parts)
         if progress is not None:
             progress(0.8 * done / len(small), "looking at parts")
@@ -342,7 +352,7 @@ def _studs(world: Mockup, chosen: npt.NDArray[np.int64], rows: list[Fastener]) -
     for nut in nuts:
         middle = nut.frame[:3, 3] - 0.5 * nut.length * nut.axis
         for part in rest[((bounds[:, 0] <= middle) & (middle <= bounds[:, 1])).all(axis=1)].tolist():
-            if part in found or kind_said(world.part_names[part]) == "other":
+            if part in found or kind_said(name_of(world, part)) == "other":
                 continue
             vertices, faces = meshes.mesh(part)
             local = (vertices - nut.frame[:3, 3]) @ nut.frame[:3, :3]
@@ -381,7 +391,9 @@ def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64
     return np.asarray(chosen[is_small & (triangles >= 8)], dtype=np.int64)
 
 
-def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool) -> list[tuple[Fastener, Looks]]:
+def _of_shape(
+    world: Mockup, shape: SameShape, called: list[str], said: list[str | None], is_naming: bool
+) -> list[tuple[Fastener, Looks]]:
     """The fasteners among the parts of one shape, as `_looked_at`."""
     faces = wound(shape.vertices, shape.faces)
     looks = looks_of(shape.vertices, faces)
@@ -391,10 +403,10 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
     is_pin = rod is not None and is_plain(shape.vertices, faces, rod)
     found = []
     for part, place, name in zip(shape.parts.tolist(), shape.places, names, strict=True):
-        seen = looks or (rod if name in KINDS and not (is_pin and may_be_pin(world.part_names[part])) else None)
+        seen = looks or (rod if name in KINDS and not (is_pin and may_be_pin(called[part])) else None)
         if seen is None:
             continue
-        confidence = _confidence(seen, name, is_naming and not says_nothing(world.part_names[part]))
+        confidence = _confidence(seen, name, is_naming and not says_nothing(called[part]))
         if confidence < LEAST_CONFIDENCE and (name == "other" or not needs_thread(seen)):
             continue
         kind = _kind(seen, name)
@@ -413,7 +425,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             head_height=seen.head_height,
             confidence=confidence,
             because=seen.because + voice,
-            drive=seen.drive or ("hand" if kind == "screw" and is_by_hand(world.part_names[part]) else ""),
+            drive=seen.drive or ("hand" if kind == "screw" and is_by_hand(called[part]) else ""),
             width=seen.across_flats if np.isnan(seen.width) else seen.width,
         )
         found.append((row, seen))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
-from feeler.plan.fastener_names import retainer_said
+from feeler.plan.fastener_names import name_of, retainer_said
 from feeler.plan.fastener_shape import rod_of
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
@@ -134,14 +134,14 @@ class _Look:
         """The parts that are pins by their names."""
         mockup = self.scene.mockup
         for part in np.flatnonzero(self.is_free).tolist():
-            if retainer_said(mockup.part_names[part]) == "pin" and mockup.part_triangles[part] >= 8:
+            if retainer_said(name_of(mockup, part)) == "pin" and mockup.part_triangles[part] >= 8:
                 yield pin_shank(self.scene, part, self.meshes.mesh(part)[0])
 
     def rods(self, known: set[int]) -> Iterator[Fastener]:
         """The other round rods, whatever their names are, that something thinner may go through."""
         mockup = self.scene.mockup
         for part in np.flatnonzero(self.is_free).tolist():
-            name = mockup.part_names[part]
+            name = name_of(mockup, part)
             if part in known or retainer_said(name) == "pin" or mockup.part_triangles[part] < 8:
                 continue
             if not self._has_thin_neighbour(part):
@@ -183,7 +183,7 @@ class _Look:
         heights, is_wide = shank.heights(vertices), shank.radii(vertices) > EYE * shank.radius
         sides = [vertices[is_wide & (sign * heights > 0.0)] for sign in (1.0, -1.0)]
         sides = [each for each in sides if len(each)]
-        is_said = retainer_said(self.scene.mockup.part_names[part]) == "pin"
+        is_said = retainer_said(name_of(self.scene.mockup, part)) == "pin"
         return len(sides) >= (1 if is_said else 2) and any(_is_bent(each - shank.point, shank.axis) for each in sides)
 
     def bare_nuts(self, shanks: Sequence[Fastener]) -> list[Fastener]:
@@ -214,7 +214,7 @@ class _Look:
 
     def fits(self, row: Fastener, part: int, shank: Shank) -> bool:
         """Whether a part is a cotter pin by its name, or the shank has a hole for it: others are in it by chance."""
-        if row.part < 0 or retainer_said(self.scene.mockup.part_names[part]) == "pin":
+        if row.part < 0 or retainer_said(name_of(self.scene.mockup, part)) == "pin":
             return True
         ways = np.stack([shank.axis, -shank.axis])
         hits = self.scene.only([row.part]).rays(np.tile(shank.point, (2, 1)), ways, within=row.size)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
-from feeler.plan.fastener_names import retainer_said
+from feeler.plan.fastener_names import name_of, retainer_said
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.scene import PartNumber, Scene
 from feeler.tasks.captive import free_travel, has_neck
@@ -251,10 +251,10 @@ class Fixings:
     def _grips(self, hold: Hold) -> tuple[int, ...]:
         """What the clamps that a fastener closes hold a hose on, if it is fastened in nothing else."""
         if hold.fastener not in self._gripped:
-            names, found = self.scene.mockup.part_names, list[int]()
+            found = list[int]()
             parts = dict.fromkeys((hold.fastener, *hold.parts))
             if self._end(hold) in (None, *hold.parts):
-                for clamp in [part for part in parts if retainer_said(names[part]) == "clasp"]:
+                for clamp in [part for part in parts if retainer_said(name_of(self.scene.mockup, part)) == "clasp"]:
                     if self.scene.part_mask[clamp]:
                         held = [part for part in hold.parts if part != clamp]
                         found += gripped(self._bare, clamp, held, self._meshes)

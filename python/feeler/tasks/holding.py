@@ -13,7 +13,7 @@ from feeler.errors import OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.part_meshes import PartMeshes
 from feeler.parts import PartsLike
-from feeler.plan.fastener_names import is_pipe, kind_said
+from feeler.plan.fastener_names import is_pipe, kind_said, name_of
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners, turned_round
 from feeler.progress import Progress
 from feeler.scene import Scene
@@ -163,7 +163,7 @@ def _closing(mockup: Mockup, row: Hold, clamp: Retained) -> Hold:
 def _is_clamped(scene: Scene, fitting: Hold, fasteners: Iterable[Fastener], rows: Mapping[int, Hold]) -> bool:
     """Whether a nut holds a fitting that has neither a thread in what it is in nor a pipe: the hole is wide."""
     ends = {fitting.fastener, *([] if fitting.anchor is None else [fitting.anchor])}
-    if any(is_pipe(scene.mockup.part_names[part]) for part in fitting.parts):
+    if any(is_pipe(name_of(scene.mockup, part)) for part in fitting.parts):
         return False
     for nut in fasteners:
         row = rows.get(nut.part)
@@ -299,7 +299,7 @@ class _Holding:
             is_thread_below = any(thread.top <= middle for thread in tight)
             is_thread_above = any(thread.bottom >= middle for thread in tight)
             is_between = is_thread_below and (not _is_stud(row) or is_thread_above)
-            if is_between and kind_said(self.mockup.part_names[each.part]) != "nut":
+            if is_between and kind_said(name_of(self.mockup, each.part)) != "nut":
                 yield each.part
 
     def rows(self) -> list[Hold]:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from feeler._core import Rays
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
-from feeler.plan.fastener_names import is_pipe, retainer_said
+from feeler.plan.fastener_names import is_pipe, name_of, retainer_said
 from feeler.plan.fastener_shape import rod_of
 from feeler.plan.fasteners import Fastener, framed
 from feeler.scene import Scene
@@ -61,10 +61,10 @@ def clasped(scene: Scene, parts: Iterable[int], but: set[int], meshes: PartMeshe
     """
     mockup, found, known = scene.mockup, set[int](), {*parts} | but
     for part in parts:
-        if retainer_said(mockup.part_names[part]) == "clasp":
+        if retainer_said(name_of(mockup, part)) == "clasp":
             near = scene.clearance(Tool.of_parts(mockup, [part]), np.eye(4), HALVES_M)
             inside = {int(each) for each, gap in zip(near.parts, near.distances, strict=True) if gap <= CLASP_M}
-            others = {int(each) for each in near.parts if retainer_said(mockup.part_names[each]) == "clasp"} - {part}
+            others = {int(each) for each in near.parts if retainer_said(name_of(mockup, each)) == "clasp"} - {part}
             if not others & known:
                 inside -= {each for other in others for each in _between(scene, part, other, inside, meshes)}
             found |= inside
@@ -91,7 +91,7 @@ def retained(scene: Scene, but: Iterable[int]) -> list[Retained]:
     is_small = scene.part_mask & (sides.max(axis=1) <= LARGEST_M) & (sides.min(axis=1) > 0.0)
     is_small &= (mockup.part_triangles <= MOST_TRIANGLES) & (mockup.part_triangles >= 8)
     some = [int(part) for part in np.flatnonzero(is_small) if int(part) not in taken]
-    said = {part: retainer_said(mockup.part_names[part]) for part in some}
+    said = {part: retainer_said(name_of(mockup, part)) for part in some}
     circlips = [part for part in some if said[part] == "circlip"]
     pins = [part for part in some if said[part] == "pin"]
     meshes = PartMeshes(mockup)
@@ -168,7 +168,7 @@ def clips(scene: Scene, held: set[int], but: set[int]) -> list[Retained]:
     mockup, rows = scene.mockup, []
     bare, meshes = _without(scene, but), PartMeshes(mockup)
     for part in np.flatnonzero(scene.part_mask).tolist():
-        if part in held or part in but or retainer_said(mockup.part_names[part]) != "clasp":
+        if part in held or part in but or retainer_said(name_of(mockup, part)) != "clasp":
             continue
         parts = tuple(each for each in clasped(bare, [part], set(), meshes) if _side(bare, part, each, meshes) is None)
         if parts:
@@ -192,7 +192,7 @@ def _fittings(scene: Scene, parts: list[int], meshes: PartMeshes) -> list[Retain
     rows = []
     for rod, passed in zip(rods, passed_by(scene, rods), strict=True):
         around = [each for each in passed if each.radius > 0.0]
-        pipes = {each.part for each in around if is_pipe(mockup.part_names[each.part])}
+        pipes = {each.part for each in around if is_pipe(name_of(mockup, each.part))}
         fixed = [each for each in around if each.part not in pipes]
         if not fixed:
             continue
