@@ -82,11 +82,12 @@ def test_parts_of_the_mock_up_can_be_the_tool(files: tuple[Path, Path], tmp_path
         (["--scale", "0"], "--scale"),
         (["--record", "feel.txt"], ".npz"),
         (["--collision-hz", "-1"], "--collision-hz is"),
-        (["--device-option", "force_n=3"], "name one with --device"),
+        (["--device-option", "force_n=3"], "use --preset or another --device"),
         (["--device", "dhd", "--device-option", "force_n"], "NAME=VALUE"),
         (["--device", "dhd", "--device-option", "colour=red"], "no option colour"),
         (["--device", "haply", "--device-option", "device_id=7", "--device-option", "address=127.0.0.1:1"], "Inverse"),
         (["--device", "dhd", "--device-option", "force_n=strong"], "force_n"),
+        (["--device", "haply", "--device-option", "force_n=nan"], "force_n is nan: give newtons, 0 to 1000"),
         (["--device", "dhd", "--device-option", "library=/nowhere/libdhd.so"], "/nowhere/libdhd.so"),
     ],
 )
@@ -163,7 +164,56 @@ def test_people_get_the_checks_table() -> None:
 
 
 def test_a_check_brings_its_own_plate(files: tuple[Path, Path]) -> None:
-    assert "brings its own" in error_of("feel", files[0], "--check")
+    assert "leave out the mock-up" in error_of("feel", files[0], "--check")
+    for more in (("--pose", "nowhere.csv"), ("--without", "pump"), ("--unit", "mm"), ("--up", "z"), ("--seed", "3")):
+        assert f"leave out {more[0]}" in error_of("feel", "--check", *more)
+
+
+def test_a_soft_plate_is_felt() -> None:
+    """It gives less than 2 % of the largest force of the device."""
+    device = devices.Simulated("large_6dof", hand=feel_check.pressing_hand())
+    found = feel_check.check(device, 1.5, stiffness=100.0)
+    assert found.fault == "" and found.felt_n_per_m == pytest.approx(100.0, rel=0.05)
+
+
+def test_the_scale_divides_the_stiffness_of_the_tool() -> None:
+    one, three = (
+        feel_check.check(devices.Simulated("desktop_6dof", hand=feel_check.pressing_hand()), 1.5, scale=scale)
+        for scale in (1.0, 3.0)
+    )
+    assert three.granted.stiffness_n_per_m < 0.6 * one.granted.stiffness_n_per_m
+    assert np.isfinite(three.felt_n_per_m) and three.noise_m < 2e-5
+
+
+@pytest.mark.parametrize("rate_hz", [1000, 250, 100, 60])
+@pytest.mark.parametrize("noise_m", [0.0, 2e-5])
+def test_the_motion_of_the_hand_is_no_noise(rate_hz: int, noise_m: float) -> None:
+    """A device slower than the servo, without a clock: its poses are held for some ticks."""
+    times = np.arange(8000) / 1000.0
+    sample = (np.arange(8000) * rate_hz) // 1000
+    noise = np.random.default_rng(1).normal(0.0, noise_m, 8000)[sample]
+    height = 0.01 - 0.006 * (1.0 - np.cos(2.0 * np.pi * sample / rate_hz)) + noise
+    n = len(times)
+    ticks = feel_check.Ticks(times, height, height, np.zeros(n), np.full(n, "free"), np.ones(n, bool))
+    assert ticks.noise_m() == pytest.approx(noise_m, rel=0.15, abs=2e-7)
+
+
+def test_bursts_are_not_the_rate() -> None:
+    times = np.arange(4000) / 1000.0
+    tick = np.arange(4000)
+    sample = np.where(tick % 200 < 40, tick, tick - tick % 200 + 39)
+    height = 0.01 - 0.006 * (1.0 - np.cos(2.0 * np.pi * sample / 1000.0))
+    ticks = feel_check.Ticks(times, height, height, np.zeros(4000), np.full(4000, "free"), np.ones(4000, bool))
+    assert ticks.poses_hz() == pytest.approx(200.0, rel=0.25) and ticks.burst_hz() > 380.0
+
+
+@pytest.mark.parametrize(
+    ("felt", "said"), [(300.0, "but 300 were measured"), (np.nan, "pressed too little"), (1900.0, "^$")]
+)
+def test_what_is_felt_is_judged(felt: float, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(feel_check.Ticks, "felt", lambda ticks, most: felt)
+    found = feel_check.check(devices.Simulated("desktop_6dof", hand=feel_check.pressing_hand()), 1.0)
+    assert re.search(said, found.fault), found.fault
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ import pytest
 from shapes import Mesh, box
 
 import feeler
+from feeler.choices import DeviceDriver
 from feeler.errors import DeviceError, FeelerError, OptionError, PoseError, SessionError
 from feeler.haptics import Coupling, Session, View, devices, open_device
 
@@ -258,6 +259,31 @@ def test_devices_that_are_not_there_say_what_to_do() -> None:
     with pytest.raises(OptionError, match="force_n"):
         open_device("haply", force_n="strong")
     assert issubclass(DeviceError, FeelerError) and feeler.DeviceError is DeviceError
+
+
+@pytest.mark.parametrize(
+    ("driver", "option", "values"),
+    [
+        ("haply", "force_n", [-3.0, np.nan, np.inf, 1e9]),
+        ("haply", "stiffness_n_per_m", [-5.0, 0.0, np.nan, np.inf, 1e9]),
+        ("dhd", "force_n", [-3.0, np.nan, np.inf, 1e9]),
+        ("dhd", "torque_nm", [-3.0, np.nan, np.inf, 1e9]),
+        ("dhd", "stiffness_n_per_m", [-5.0, 0.0, np.nan, np.inf, 1e9]),
+        ("openhaptics", "force_n", [-3.0, np.nan, np.inf, 1e9]),
+        ("openhaptics", "stiffness_n_per_m", [-5.0, 0.0, np.nan, np.inf, 1e9]),
+        *(
+            ("spacemouse", option, [-1.0, 0.0, np.nan, np.inf, 1e9])
+            for option in ("speed_m_per_s", "turn_rad_per_s", "full_deflection_counts", "reach_m", "silence_s")
+        ),
+        ("spacemouse", "dead_zone", [-0.1, 1.0, np.nan, np.inf]),
+    ],
+)
+def test_numbers_that_cannot_be_are_refused_before_a_device_is_opened(
+    driver: DeviceDriver, option: str, values: list[float]
+) -> None:
+    for value in values:
+        with pytest.raises(OptionError, match=f"^{option} is .*: give "):
+            open_device(driver, **{option: value})
 
 
 def test_simulated_devices_say_what_they_are() -> None:

@@ -125,10 +125,27 @@ def feel(
     A servo loop and a search for contacts run in separate threads. Without a device, a simulated hand moves a simulated
     one: it comes from outside, pushes, works and leaves, repeatedly. Ctrl-C releases the force first. --check measures
     stiffness, rate, jitter and noise, and says what limits them. Exit status: 0, also after Ctrl-C; 1 a checked device
-    gives no force or does not answer; 2 bad input, or no device.
+    gives no force, far less than granted, or does not answer; 2 bad input, or no device.
     """
     from feeler.cli import outputs
 
+    if check:
+        given = {
+            "the mock-up": mockup,
+            "--tool": tool,
+            "--part": part,
+            "--without": without,
+            "--only": only,
+            "--pose": pose,
+            "--seed": seed,
+            "--record": record,
+            "--unit": unit,
+            "--tool-unit": tool_unit,
+            "--up": up,
+            "--threads": threads,
+        }
+        if named := [name for name, value in given.items() if value]:
+            raise OptionError(f"--check brings its own plate, tool and hand: leave out {', '.join(named)}")
     outputs.check_targets({"record": record}, {"record": (".npz",)}, [*(mockup or ()), tool, pose])
     # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
@@ -136,9 +153,8 @@ def feel(
         None if device == "simulated" else devices.open_device(cast("DeviceDriver", device), **options)
     )
     if check:
-        if mockup or tool or part or record:
-            raise OptionError("--check brings its own plate and tool: leave out mock-up, --tool, --part and --record")
-        _press(held, check_word("--preset", preset, DEVICE_PRESETS), seconds, hz, stiffness, as_json)
+        how = {"rate_hz": hz, "collision_hz": collision_hz, "scale": scale, "stiffness": stiffness}
+        _press(held, check_word("--preset", preset, DEVICE_PRESETS), seconds, how, as_json)
         return
     moving = tool if tool is not None or part else "sample:wrench"
     world, probe = read_both(mockup or [_SAMPLE], unit, moving, tool_unit, up, part)
@@ -183,7 +199,9 @@ def feel(
 def _device_options(device: str, given: list[str]) -> dict[str, float | str]:
     """NAME=VALUE of the command line; values become numbers if they read as one, unless the option is a text."""
     if given and device == "simulated":
-        raise OptionError("--device-option is for a driver: name one with --device")
+        raise OptionError(
+            "--device-option is for a driver, and the simulated device has none: use --preset or another --device"
+        )
     options: dict[str, float | str] = {}
     for option in given:
         name, is_named, value = option.partition("=")
@@ -200,8 +218,7 @@ def _press(
     held: devices.Device | None,
     preset: DevicePreset,
     seconds: float | None,
-    hz: float,
-    stiffness: float | None,
+    how: dict[str, Any],
     as_json: bool,
 ) -> None:
     """The check of a device; exits with status 1 if something is wrong with it."""
@@ -217,7 +234,7 @@ def _press(
             if held is not None:
                 outputs.say(out, "Press the handle down onto it by a centimetre, and lift it again, several times")
 
-    found = feel_check.check(device, seconds or _CHECK_S, rate_hz=hz, stiffness=stiffness, begins=begins)
+    found = feel_check.check(device, seconds or _CHECK_S, begins=begins, **how)
     if as_json:
         from dataclasses import asdict
 

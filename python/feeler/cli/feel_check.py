@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -25,10 +26,14 @@ _ABOVE_M, _PRESSED_M = 0.002, 0.012
 # Duration of one press of the simulated hand, seconds, and the number of presses.
 _PRESS_S, _PRESSES = 1.0, 100
 _LOOKS_HZ = 20.0
-# Shares of the largest force between which the stiffness is measured: above noise, below saturation.
+# Shares of the reached and of the largest force between which the stiffness is measured: above noise, below saturation.
 _FROM, _TO = 0.02, 0.9
-# Period over which the device's poses are counted, seconds.
-_WINDOW_S = 0.1
+# A measured stiffness below this share of the granted one is a fault.
+_SHORT = 0.5
+# Periods over which the device's poses are counted, seconds: for the mean, and for bursts.
+_WINDOW_S, _BURST_S = 0.25, 0.1
+# Poses in a row from which the noise is found, and the longest interval between two, in median ones.
+_ROW, _GAP = 5, 3.0
 
 
 @dataclass(frozen=True)
@@ -46,25 +51,30 @@ class Checked:
     largest_force_n: float
     servo_hz: float
     poses_hz: float
-    """Rate of new poses from the device, where it moved fastest."""
+    """Mean rate of new poses from the device, while the handle moves."""
+    burst_hz: float
+    """Rate of new poses in the 0.1 s with the most."""
     device_hz: float
     """The device's nominal rate; 0: not known."""
     late_s: tuple[float, float]
     """Lateness of servo ticks: median and 99th percentile."""
     noise_m: float
-    """Standard deviation of the position in the air, steps included; NaN with too few poses."""
+    """Standard deviation of the handle's position in the air, steps included; NaN with too few poses."""
     resolution_m: float
     """The device's nominal resolution; 0: not known."""
+    scale: float
+    """Travel of the tool for a metre of the handle; the stiffnesses are those in the tool's world."""
     priority: str
     fault: str
     """The fault, in a sentence; empty: none."""
 
 
-def block_and_plate() -> tuple[feeler.Scene, feeler.Tool, Floats]:
-    """A plate of 0.4 m, a block of 60 mm, and the block's start pose."""
-    plate = feeler.Scene(feeler.Mockup(*_cuboid((-0.2, -0.2, -0.02), (0.2, 0.2, 0.0))))
+def block_and_plate(scale: float = 1.0) -> tuple[feeler.Scene, feeler.Tool, Floats]:
+    """A plate of 0.4 m, or more if the hand's motion is enlarged, a block of 60 mm, and the block's start pose."""
+    half = 0.2 * max(1.0, scale)
+    plate = feeler.Scene(feeler.Mockup(*_cuboid((-half, -half, -0.02), (half, half, 0.0))))
     start = np.eye(4)
-    start[2, 3] = 0.03 + _ABOVE_M
+    start[2, 3] = 0.03 + _ABOVE_M * scale
     return plate, feeler.Tool(*_cuboid((-0.03,) * 3, (0.03,) * 3), "block"), start
 
 
@@ -82,6 +92,8 @@ def check(
     seconds: float,
     *,
     rate_hz: float = 1000.0,
+    collision_hz: float | None = None,
+    scale: float = 1.0,
     stiffness: float | None = None,
     begins: Callable[[], None] = lambda: None,
 ) -> Checked:
@@ -101,27 +113,30 @@ def check(
         largest_force_n=0.0,
         servo_hz=0.0,
         poses_hz=0.0,
+        burst_hz=0.0,
         device_hz=limits["rate_hz"],
         late_s=(np.nan, np.nan),
         noise_m=np.nan,
         resolution_m=limits["resolution_m"],
+        scale=scale,
         priority="",
         fault="",
     )
     if "translation" not in device.driven or limits["force_n"] == 0.0:
         return replace(nothing, fault=f"{device.name} gives no force: it has no motors that this driver knows of")
-    plate, block, start = block_and_plate()
-    session = Session(plate, block, coupling=asked)
+    plate, block, start = block_and_plate(scale)
+    session = Session(plate, block, coupling=asked, collision_hz=collision_hz)
     session.start(start)
-    session.run(device, rate_hz=rate_hz)
+    session.run(device, rate_hz=rate_hz, scale=scale)
     try:
-        granted = session.granted()
+        least = session.granted().coupling.stiffness_n_per_m
         begins()
         traces = []
         until = time.monotonic() + seconds
         while session.is_running and time.monotonic() < until:
             time.sleep(1.0 / _LOOKS_HZ)
             traces.append(session.trace())
+            least = min(least, session.granted().coupling.stiffness_n_per_m)
         ran_on = session.is_running
         granted = session.granted()
     finally:
@@ -135,7 +150,7 @@ def check(
         np.array([mode for trace in traces for mode in trace.modes]),
         np.concatenate([trace.has_device for trace in traces]),
     )
-    return _measured(nothing, granted, stats, ticks, session.troubles, ran_on)
+    return _measured(nothing, granted, least, stats, ticks, session.troubles, ran_on)
 
 
 class Ticks(NamedTuple):
@@ -151,25 +166,74 @@ class Ticks(NamedTuple):
 
     def felt(self, max_force_n: float) -> float:
         """Stiffness, newtons per metre: force over depth in the plate; NaN if it was not pressed."""
-        pressed = (self.modes == "contact") & (self.force > _FROM * max_force_n) & (self.force < _TO * max_force_n)
+        reached = min(self.pressed_n(), max_force_n)
+        pressed = (self.modes == "contact") & (self.force > _FROM * reached) & (self.force < _TO * max_force_n)
         force, depth = self.force[pressed], (self.proxy - self.device)[pressed]
         return float((force * depth).sum() / (depth * depth).sum()) if len(force) > 20 else np.nan
 
+    def pressed_n(self) -> float:
+        """Largest force of the plate, newtons."""
+        return float(self.force[self.modes == "contact"].max(initial=0.0))
+
     def poses_hz(self) -> float:
         """New poses per second while the handle is fast; when it is slow, one encoder step spans several poses."""
+        if len(self.times) < 2:
+            return 0.0
+        edges = np.append(np.arange(self.times[0], self.times[-1], _WINDOW_S), self.times[-1])
+        cuts = np.searchsorted(self.times, edges)
+        pieces = [slice(low, high + 1) for low, high in itertools.pairwise(cuts) if high > low]
+        ways = np.array([np.ptp(self.device[piece]) for piece in pieces])
+        fast = [piece for piece, way in zip(pieces, ways, strict=True) if way > 0.5 * ways.max()]
+        lasted = sum(float(np.ptp(self.times[piece])) for piece in fast)
+        return sum(int((np.diff(self.device[piece]) != 0.0).sum()) for piece in fast) / lasted if lasted else 0.0
+
+    def burst_hz(self) -> float:
+        """New poses per second in the short period with the most."""
         moved = self.times[1:][np.diff(self.device) != 0.0]
-        ends = np.searchsorted(moved, moved + _WINDOW_S)
-        return float((ends - np.arange(len(moved))).max(initial=0) / _WINDOW_S)
+        ends = np.searchsorted(moved, moved + _BURST_S)
+        return float((ends - np.arange(len(moved))).max(initial=0) / _BURST_S)
 
     def noise_m(self) -> float:
-        """Standard deviation of the position in the air; NaN with too few poses."""
-        air = np.diff(self.device, 2)[((self.modes == "free") & self.told)[2:]]
-        # Second differences of white noise have six times its variance; a hand adds next to nothing in two ticks.
-        return float(np.sqrt((air * air).mean() / 6.0)) if len(air) > 20 else np.nan
+        """Standard deviation of the position in the air; NaN with too few poses.
+
+        From new poses only: a pose that is held for some ticks is one. What no cubic through the hand's motion explains
+        is noise. A device samples at its own even times or when it is asked, and either time is wrong for the other, so
+        the motion adds to one figure: the smaller one is the noise.
+        """
+        new = np.append(False, np.diff(self.device) != 0.0) & (self.modes == "free") & self.told
+        if new.sum() <= _ROW:
+            return np.nan
+        rows = np.lib.stride_tricks.sliding_window_view
+        times, heights = rows(self.times[new], _ROW), rows(self.device[new], _ROW)
+        gaps = np.diff(times, axis=1)
+        usual = np.median(gaps)
+        near, even = (gaps < _GAP * usual).all(axis=1), (abs(gaps - usual) < 0.5 * usual).all(axis=1)
+        both = [
+            _unexplained(times[near] - times[near, :1], heights[near]),
+            _unexplained(np.tile(np.arange(float(_ROW)), (int(even.sum()), 1)), heights[even]),
+        ]
+        return min((noise for noise in both if np.isfinite(noise)), default=np.nan)
+
+
+def _unexplained(times: Floats, heights: Floats) -> float:
+    """Standard deviation of heights `(n, k)` about polynomials of degree `k - 2` in time; NaN with too few."""
+    if len(times) <= 20:
+        return np.nan
+    apart = times[:, :, None] - times[:, None, :] + np.eye(_ROW)
+    # The weights of the divided difference of the highest order: 0 for every such polynomial.
+    weights = 1.0 / apart.prod(axis=2)
+    left = (weights * heights).sum(axis=1)
+    return float(np.sqrt((left * left / (weights * weights).sum(axis=1)).mean()))
 
 
 def _measured(
-    nothing: Checked, granted: Granted, stats: Statistics, ticks: Ticks, troubles: list[str], ran_on: bool
+    nothing: Checked,
+    granted: Granted,
+    least: float,
+    stats: Statistics,
+    ticks: Ticks,
+    troubles: list[str],
+    ran_on: bool,
 ) -> Checked:
     coupling, name = granted.coupling, nothing.device
     felt = ticks.felt(coupling.max_force_n)
@@ -182,8 +246,15 @@ def _measured(
         fault = f"{name} answered in {100 * share:.0f} % of the ticks only{why}: check its cable"
     elif coupling.stiffness_n_per_m == 0.0 or coupling.max_force_n == 0.0:
         fault = f"{name} gives no force: {'; '.join(granted.limitations)}"
-    elif not np.isfinite(felt):
+    elif ticks.pressed_n() == 0.0:
         fault = "the plate was not felt: run again, and press the handle straight down by a centimetre"
+    elif not np.isfinite(felt):
+        fault = "the plate was pressed too little to measure: run again, and press the handle down by a centimetre"
+    elif felt < _SHORT * least:
+        fault = (
+            f"{name} was granted {least:,.0f} N/m, but {felt:,.0f} were measured: the force does not follow the "
+            f"motion at a servo of {stats.servo_hz:,.0f} Hz; run again with a smaller --hz, on a machine at rest"
+        )
     return replace(
         nothing,
         granted=coupling,
@@ -192,8 +263,9 @@ def _measured(
         largest_force_n=float(np.abs(ticks.force).max(initial=0.0)),
         servo_hz=stats.servo_hz,
         poses_hz=ticks.poses_hz(),
+        burst_hz=ticks.burst_hz(),
         late_s=(stats.servo_lateness.median, stats.servo_lateness.p99),
-        noise_m=ticks.noise_m(),
+        noise_m=ticks.noise_m() / nothing.scale,
         priority=granted.priority,
         fault=fault,
     )
@@ -212,6 +284,7 @@ def show(out: Console, found: Checked) -> None:
     noise = f"{1e6 * found.noise_m:.1f} um in the air" if np.isfinite(found.noise_m) else "not measured"
     steps = f"{1e6 * found.resolution_m:.1f} um" if found.resolution_m > 0.0 else "not known"
     rows = [
+        ("scale", f"{found.scale:g}: stiffness is the tool's; the hand feels it times this" * (found.scale != 1.0)),
         ("stiffness", f"{granted.stiffness_n_per_m:,.0f} N/m granted, {felt}"),
         *limited("stiffness"),
         ("force", f"{found.largest_force_n:.2f} N at most, {granted.max_force_n:.2f} N granted"),
@@ -221,6 +294,7 @@ def show(out: Console, found: Checked) -> None:
         rows += limited("rotational stiffness")
     rows += [
         ("rate", f"servo {found.servo_hz:,.0f} Hz; the device sent {found.poses_hz:,.0f} new poses a second"),
+        ("", f"in bursts of up to {found.burst_hz:,.0f} a second" if found.burst_hz > 2.0 * found.poses_hz else ""),
         ("", f"the device's own rate is {found.device_hz:,.0f} Hz" if found.device_hz > 0.0 else ""),
         ("jitter", f"ticks {duration(found.late_s[0])} late in the median, {duration(found.late_s[1])} at p99"),
         ("", found.priority),
