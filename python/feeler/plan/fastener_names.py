@@ -6,6 +6,7 @@ import itertools
 import re
 import unicodedata
 from collections import Counter
+from functools import lru_cache
 
 from feeler.mockup import Mockup
 
@@ -164,6 +165,7 @@ _METRIC = re.compile(r"(?<![A-Za-z])M\d")
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 
+@lru_cache(maxsize=1 << 16)  # each plan asks it of all parts
 def kind_said(name: str) -> str | None:
     """The kind of fastener in a name: "bolt", "screw", "nut", "stud"; None if the name does not say.
 
