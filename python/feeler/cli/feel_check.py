@@ -265,7 +265,8 @@ def _measured(
         poses_hz=ticks.poses_hz(),
         burst_hz=ticks.burst_hz(),
         late_s=(stats.servo_lateness.median, stats.servo_lateness.p99),
-        noise_m=ticks.noise_m() / nothing.scale,
+        # Steps add their own; of poses that are each one step apart none would be seen.
+        noise_m=float(np.maximum(ticks.noise_m() / nothing.scale, nothing.resolution_m / np.sqrt(12.0))),
         priority=granted.priority,
         fault=fault,
     )
