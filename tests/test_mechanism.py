@@ -208,6 +208,16 @@ def test_coupled_joints_need_a_position() -> None:
                 Mechanism(mock, joints, coupling)
 
 
+def test_numbers_are_taken_as_arrays_have_them() -> None:
+    moved = Mechanism(dots((0, 0, 0), (1, 0, 0)), [Joint("h", "revolute", None, "a", Z)])
+    for one in (2.0, np.array(2.0), np.float32(2.0)):
+        assert moved.clearance({"h": one}).lower == moved.clearance({"h": 2.0}).lower
+    for wrong in (np.array("x"), np.array([2.0]), np.zeros((2, 2)), [1.0]):
+        for ask in (moved.clearance, moved.clash):
+            with pytest.raises(OptionError, match="give a number, or the least and greatest value"):
+                ask({"h": wrong})
+
+
 def test_the_limits_of_all_coupled_numbers_hold() -> None:
     mock = dots(*((0.1 * n, 0, 0) for n in range(4)))
     joints = [Joint("g", "revolute", None, "a", Z), Joint("h", "revolute", None, "b", Z, limits=(0.0, 1.0))]

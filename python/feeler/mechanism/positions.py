@@ -176,7 +176,9 @@ class Positions:
             raise OptionError(f"values is {shown(values)}: give a dict of joints, such as {{'hinge': (0, 1.9)}}")
         for name, value in values.items():
             self.check_name(name)
-            if isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2:
+            if (isinstance(value, (tuple, list)) and len(value) == 2) or (
+                isinstance(value, np.ndarray) and value.shape == (2,)
+            ):
                 lower, upper = (check_number(f"{name!r}", each, "radians or metres") for each in value)
                 if lower > upper:
                     ends = f"{self.said(name, lower)} to {self.said(name, upper)}"
