@@ -19,6 +19,7 @@ from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
+    MockupFilesOrNone,
     MockupUnit,
     Only,
     Threads,
@@ -26,6 +27,7 @@ from feeler.cli.inputs import (
     Triple,
     Up,
     Without,
+    needed,
     read_both,
     read_mockup,
     read_poses,
@@ -53,14 +55,7 @@ feeler access --write-catalogue tools.toml
 """
 )
 def access(
-    mockup: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), a saved scene, or "
-            "sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
-        ),
-    ] = None,
+    mockup: MockupFilesOrNone = None,
     *,
     tool: Annotated[
         str | None,
@@ -162,8 +157,7 @@ def access(
         outputs.check_targets({"write-catalogue": write_catalogue}, {"write-catalogue": (".toml",)}, mockup or [])
         _write_catalogue(write_catalogue)
         return
-    if not mockup:
-        raise OptionError("there is no mock-up: give its files, or sample:gearbox")
+    mockup = needed(mockup)
     if (tool is None) == (catalogue is None):
         raise OptionError("give either --tool FILE or --catalogue FILE (or --catalogue built-in)")
     outputs.check_targets(wanted, _ENDINGS, [*mockup, *(each for each in (tool, catalogue) if each is not None)])

@@ -48,6 +48,14 @@ MockupFiles = Annotated[
         help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
     ),
 ]
+MockupFilesOrNone = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="MOCKUP",
+        help="Files or folders (several are one mock-up), a saved scene, or sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
+    ),
+]
+"""For commands that also start a file to edit, which needs none."""
 MockupFilesOrSample = Annotated[
     list[str] | None,
     typer.Argument(
@@ -160,6 +168,13 @@ def read_checked(
     world = read_mockup(mockup, unit, up, chord_tolerance=chord_tolerance)
     warn_of_doubts(world)
     return world
+
+
+def needed(mockup: list[str] | None) -> list[str]:
+    """The files of a mock-up. Raises `OptionError` if there are none."""
+    if not mockup:
+        raise OptionError("there is no mock-up: give its files, or sample:gearbox")
+    return mockup
 
 
 def indexed(

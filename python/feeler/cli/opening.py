@@ -14,6 +14,7 @@ from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     ChordTolerance,
+    MockupFilesOrNone,
     MockupUnit,
     Only,
     Threads,
@@ -21,6 +22,7 @@ from feeler.cli.inputs import (
     Up,
     Without,
     indexed,
+    needed,
     read_checked,
 )
 from feeler.cli.values import DIRECTION, POSITION, POSITIVE_LENGTH, Number
@@ -35,14 +37,7 @@ feeler opening --write-limits limits.toml
 """
 )
 def opening(
-    mockup: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), a saved scene, or "
-            "sample:NAME[:TRIANGLES[:SEED[:FAULTS]]].",
-        ),
-    ] = None,
+    mockup: MockupFilesOrNone = None,
     *,
     at: Annotated[Triple | None, typer.Option(help="A point in the opening."), POSITION] = None,
     axis: Annotated[Triple | None, typer.Option(help="The direction in which things go through."), DIRECTION] = None,
@@ -81,8 +76,7 @@ def opening(
         write_limits_template(write_limits)
         outputs.say(outputs.console(), f"limits written to {write_limits}: fill in the numbers of your standard")
         return
-    if not mockup:
-        raise OptionError("there is no mock-up: give its files, or sample:gearbox")
+    mockup = needed(mockup)
     if at is None or axis is None:
         raise OptionError("give --at X,Y,Z and --axis X,Y,Z")
     wanted = () if limits is None else feeler.opening_limits(limits)

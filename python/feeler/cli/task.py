@@ -16,7 +16,7 @@ from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import (
     AsJson,
     Choice,
-    MockupFiles,
+    MockupFilesOrNone,
     MockupUnit,
     Only,
     Threads,
@@ -24,6 +24,7 @@ from feeler.cli.inputs import (
     Up,
     Without,
     indexed,
+    needed,
     read_checked,
     read_tool,
 )
@@ -46,12 +47,12 @@ feeler task engine.step --part "*fuel pump*"
 feeler task engine.step --part "*fuel pump*" --catalogue built-in --times times.toml --html task.html
 feeler task engine.step --part "*fuel pump*" --tool socket.stl --tool key.stl --glb film.glb
 feeler task engine.step --part "*generator*" --keep "*casing*" --people 2 --xlsx task.xlsx
-feeler task engine.step --write-times times.toml
+feeler task --write-times times.toml
 feeler task sample:gearbox:100000 --part gearbox/covers/idler_front/cover --json
 """
 )
 def task(
-    mockup: MockupFiles,
+    mockup: MockupFilesOrNone = None,
     *,
     part: Annotated[
         list[str] | None,
@@ -123,7 +124,7 @@ def task(
     from feeler.cli import outputs
 
     outputs.check_targets(
-        {"html": html, "xlsx": xlsx, "glb": glb, "write-times": write_times}, _ENDINGS, [*mockup, times]
+        {"html": html, "xlsx": xlsx, "glb": glb, "write-times": write_times}, _ENDINGS, [*(mockup or []), times]
     )
     table = times_of(times)
     if write_times is not None:
@@ -133,6 +134,7 @@ def task(
         else:
             outputs.say(outputs.console(), f"times written to {write_times}")
         return
+    mockup = needed(mockup)
     if not part:
         raise OptionError("nothing says what comes out: give --part, such as --part '*fuel pump*'")
     if xlsx is not None:
