@@ -21,7 +21,7 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, Bench, at, cube, sen
 
 import feeler
 from feeler.errors import WorkbenchError
-from feeler.workbench.document import patient_json
+from feeler.workbench.document import finding_rules, patient_json
 from feeler.workbench.document.finding_table import FindingTable
 from feeler.workbench.document.findings import findings_of_clashes, restored, saved
 from feeler.workbench.document.frames import unpack
@@ -225,6 +225,37 @@ def test_ignore_like_this_hides_what_it_said_and_is_kept_as_a_rule() -> None:
     for _ in range(2):
         bench.command("undo")
     assert table_of(bench).key == table.key and bench.document["clash"]["rules"] == ""
+
+
+@pytest.mark.parametrize(
+    ("path", "pattern", "others"),
+    [
+        ("m/*star*", "m/*star*", "m/xstarx"),
+        ("m/[brackets]", "m/[brackets]", "m/b"),
+        ("re:[x", r"re:(?s:re:\[x(/.*)?)", "re:x"),
+        ("*", r"re:(?s:\*(/.*)?)", "x"),
+        ("m/*star*_12", "m/[*]star[*]_*", "m/xstarx_12"),
+        ("re:[x]_1", "[r]e:[[]x]_*", "re:x_1"),
+    ],
+)
+def test_ignore_like_this_takes_signs_of_patterns_in_names_as_they_are(path: str, pattern: str, others: str) -> None:
+    assert finding_rules.alike(path) == pattern
+    mockup = feeler.Mockup(
+        np.concatenate([stand().vertices, stand().vertices[24:32] + np.array([0.2, 0, 0])]),
+        np.concatenate([stand().faces, stand().faces[36:48] + 12]),
+        np.concatenate([stand().part_of_face, np.full(12, 5)]),
+        part_paths=["a/plate", "a/left", "a/right", path, "sheet", others],
+    )
+    bench = Bench(cube(), mockup=mockup)
+    checked(bench)
+    table = table_of(bench)
+    row = next(row for row in range(len(table)) if path in (table.row_json(row)["a"], table.row_json(row)["b"]))
+    alike = bench.session.ask("finding_alike", {"version": table.key, "row": row})
+    assert alike is not None and alike["count"] == 1, "the other part is another"
+    bench.command("finding_ignore", name="signs", a=alike["a"], b=alike["b"])
+    assert len(table_of(bench)) == len(table) - 1 and bench.document["findings"]["hidden"] == {"signs": 1}
+    checked(bench)
+    assert len(table_of(bench)) == len(table) - 1, "the check reads the rule as the page does"
 
 
 def test_groups_by_hand() -> None:

@@ -21,7 +21,13 @@ from feeler.attributes import Attributes
 from feeler.errors import OptionError
 from feeler.field_docs import documented
 
+_SIGN = re.compile(r"([*?[])")
 _MOST_COMPARED = 10_000  # the most names compared with a wrong one: about a tenth of a second
+
+
+def escaped(name: str) -> str:
+    """The name as a part of a pattern: its own `*`, `?` and `[` stand for themselves."""
+    return _SIGN.sub(r"[\1]", name)
 
 
 @documented

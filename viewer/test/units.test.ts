@@ -5,6 +5,7 @@ import {
   formatCount,
   formatForce,
   formatLength,
+  keptFigure,
   lengthFigure,
   parseAngle,
   parseLength,
@@ -20,6 +21,14 @@ test("lengths are shown to a hundredth of a millimetre, without zeros at the end
   assert.equal(formatLength(100, "mm"), "100000 mm");
   assert.equal(formatLength(Number.NaN, "mm"), "–");
   assert.equal(formatLength(Number.POSITIVE_INFINITY, "mm"), "–");
+});
+
+test("a length that was typed is shown with the digits that are kept", () => {
+  for (const text of ["0", "0.0005", "3.175", "1000000", "0.000000001", "-12.3456789"]) {
+    for (const unit of UNITS) {
+      assert.equal(keptFigure(parseLength(text, unit) ?? Number.NaN, unit), text);
+    }
+  }
 });
 
 test("what is typed is read in the unit chosen, or in the one typed", () => {

@@ -44,7 +44,7 @@ def _text(clashes: Clashes) -> str:
         name = _unused(f"within {_last(one)}" if one == other else f"{_last(one)} against {_last(other)}", names)
         lines += [
             *("", "[[rule]]", f"name = {_quoted(name)}  # {number:,} findings"),
-            *(f"a = {_quoted(_pattern(one))}", f"b = {_quoted(_pattern(other))}"),
+            *(f"a = {_quoted(pattern_of(one))}", f"b = {_quoted(pattern_of(other))}"),
             *(f"clearance = {facts.clearance!r}", f"contact = {contact}", 'severity = "major"'),
         ]
     touching = clashes.where(verdict="contact")
@@ -56,7 +56,7 @@ def _text(clashes: Clashes) -> str:
         lines += ["", f"# {len(touching):,} pairs touch. Exclude those that are meant to, such as:"]
     for one, other in list(mates)[:_WRITTEN]:
         lines += ["#", "# [[exclude]]", f"# name = {_quoted(f'{_last(one)} on {_last(other)}')}"]
-        lines += [f"# a = {_quoted(_pattern(one))}", f"# b = {_quoted(_pattern(other))}"]
+        lines += [f"# a = {_quoted(pattern_of(one))}", f"# b = {_quoted(pattern_of(other))}"]
     fastened = sum(
         is_fastener(clashes.part_paths[a]) is True or is_fastener(clashes.part_paths[b]) is True
         for a, b in zip(clashes.parts_a.tolist(), clashes.parts_b.tolist(), strict=True)
@@ -99,9 +99,11 @@ def _unused(name: str, names: set[str]) -> str:
     return found
 
 
-def _pattern(path: str) -> str:
+def pattern_of(path: str) -> str:
     """What names a path and all below it: the path, or a regular expression where rules misread the path."""
-    is_plain = path and not path.startswith("re:") and not path.endswith("/") and not _LONE.search(path)
+    is_plain = (
+        path not in ("", "*") and not path.startswith("re:") and not path.endswith("/") and not _LONE.search(path)
+    )
     return path if is_plain else f"re:(?s:{_LONE.sub('.', re.escape(path))}(/.*)?)"
 
 

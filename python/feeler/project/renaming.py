@@ -13,7 +13,7 @@ from typing import Any
 
 from feeler.clashes.tracking import clash_id
 from feeler.errors import FeelerError
-from feeler.parts import Parts
+from feeler.parts import Parts, escaped
 from feeler.project.book import CHECK, Book, dumps, loads, row_id
 from feeler.project.parts import Revision, renamed_folders
 from feeler.project.store import Change, Row, drop, put
@@ -87,6 +87,7 @@ def _as_pattern(old: str, new: str, pattern: str) -> Iterator[tuple[str, str]]:
             yield lead + old, lead + re.escape(new)
             yield lead + re.escape(old), lead + re.escape(new)
     else:
+        yield escaped(old), escaped(new)
         yield _SPECIAL.sub("?", old), _SPECIAL.sub("?", new)
 
 

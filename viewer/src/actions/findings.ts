@@ -262,7 +262,7 @@ export async function beginIgnoring(wb: Workbench, finding: Finding): Promise<vo
   if (!version) return;
   await wb.told(
     wb.ask("finding_alike", { version, row: finding.row }).then(({ a, b, count }) => {
-      const name = `${lastOf(a)} on ${lastOf(b)}`;
+      const name = `${lastOf(finding.path_a)} on ${lastOf(finding.path_b)}`;
       wb.store.findings.ignoring.value = { name, a, b, count, trouble: null };
     }),
   );

@@ -74,9 +74,18 @@ export class Workbench {
     return this.turns.isBusy;
   }
 
-  /** Sends a command in its turn; returns whether it was done. A refusal is shown as a notice. */
-  run(...request: CommandRequest): Promise<boolean> {
-    return this.told(this.send(...request));
+  /** Sends a command in its turn; returns whether it was done. A refusal is a notice until the command is done. */
+  async run(...request: CommandRequest): Promise<boolean> {
+    const [command] = request;
+    const refused = this.store.notices.peek().filter(({ of }) => of === command);
+    try {
+      await this.send(...request);
+      for (const { id } of refused) this.store.dismiss(id);
+      return true;
+    } catch (error) {
+      this.tell(error, command);
+      return false;
+    }
   }
 
   /** Sends the changes that `choose` makes of the document, once all earlier requests are in it; whether it was done. */
@@ -163,17 +172,14 @@ export class Workbench {
     return job;
   }
 
-  /** Shows what went wrong. */
-  tell(error: unknown): void {
+  /** Shows what went wrong; `of`: the command that was refused. */
+  tell(error: unknown, of?: string): void {
     const { people } = this.store;
     if (error instanceof LinkError && error.where === "tool" && people.is_barred.peek()) {
       people.tried();
       return;
     }
-    const text = error instanceof Error ? error.message : String(error);
-    // Names of commands and of rooms of the program say nothing to people; places in what they gave do.
-    const where = error instanceof LinkError && !/^[a-z_]*(, [a-z_]*)*$/.test(error.where) ? ` (${error.where})` : "";
-    this.store.notify("error", sentences(text) + where);
+    this.store.notify("error", saidOf(error), of);
   }
 
   /** The parts that a command is about: the selected ones, else the one under the pointer. */
@@ -275,6 +281,14 @@ export class Workbench {
     const far = camera.reach;
     return [origin[0] + direction[0] * far, origin[1] + direction[1] * far, origin[2] + direction[2] * far];
   }
+}
+
+/** What went wrong, for people. */
+export function saidOf(error: unknown): string {
+  const text = error instanceof Error ? error.message : String(error);
+  // Names of commands and of rooms of the program say nothing to people; places in what they gave do.
+  const where = error instanceof LinkError && !/^[a-z_]*(, [a-z_]*)*$/.test(error.where) ? ` (${error.where})` : "";
+  return sentences(text) + where;
 }
 
 /** With capitals, as messages of the server have none; a word that may be a name stays. */

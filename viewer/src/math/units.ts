@@ -39,6 +39,16 @@ function trimmed(value: number, decimals: number): string {
 /** The figure alone, in `unit`, for an input. */
 export const lengthFigure = (metres: number, unit: Unit): string => trimmed(metres / metresOf(unit), DECIMALS[unit]);
 
+/** Distances that can be asked for, metres: least and greatest. */
+export const DISTANCES_M = [0, 1000] as const;
+
+/** The figure of a length that was typed, with the digits that are kept. */
+export function keptFigure(metres: number, unit: Unit): string {
+  const value = metres / metresOf(unit);
+  const digits = value === 0 ? 0 : Math.ceil(Math.log10(Math.abs(value)));
+  return trimmed(value, Math.min(100, Math.max(0, 12 - digits)));
+}
+
 /** A length with its unit; NaN reads as a dash. */
 export const formatLength = (metres: number, unit: Unit): string =>
   Number.isFinite(metres) ? `${lengthFigure(metres, unit)} ${unit}` : "–";

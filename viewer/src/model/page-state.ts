@@ -9,6 +9,8 @@ export interface Notice {
   readonly id: number;
   readonly level: "info" | "warning" | "error";
   readonly text: string;
+  /** The command that was refused. */
+  readonly of: string | undefined;
 }
 
 /** The panels on the right. */

@@ -233,12 +233,13 @@ export class Store {
     return this.paths.value[part]?.split("/").at(-1) ?? `part ${part}`;
   }
 
-  notify(level: Notice["level"], text: string): void {
+  /** Shows a notice; `of`: the command that was refused. */
+  notify(level: Notice["level"], text: string, of?: string): void {
     const id = this.next_notice++;
     const others = this.notices
       .peek()
       .filter((notice) => notice.text !== text && !(level === "info" && notice.level === "info"));
-    this.notices.value = [...others, { id, level, text }].slice(-MOST_NOTICES);
+    this.notices.value = [...others, { id, level, text, of }].slice(-MOST_NOTICES);
     if (level === "info") setTimeout(() => this.dismiss(id), INFO_MS);
   }
 

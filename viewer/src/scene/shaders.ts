@@ -77,6 +77,7 @@ in uint part;
 out vec3 vView;
 flat out vec3 vColour;
 #ifdef GHOST
+uniform vec4 ghost;
 flat out vec4 vGhost;
 #endif
 flat out uint vPart;
@@ -101,7 +102,7 @@ void main() {
 #endif
   vColour = colourOf(part);
 #ifdef GHOST
-  vGhost = isTinted(part) ? vec4(0.3 + 0.7 * vColour, 0.14) : vec4(0.62, 0.70, 0.80, 0.035);
+  vGhost = isTinted(part) ? vec4(0.3 + 0.7 * vColour, 0.14) : ghost;
 #endif
   vPart = part;
   gl_Position = projectionMatrix * view;

@@ -28,7 +28,7 @@ import { ScreenPass } from "./screen";
 import { type SectionPlane, writePlanes } from "./sections";
 import { backFragment } from "./shaders";
 import { pngOf } from "./shot";
-import { channels, coloursOf, type Theme } from "./theme";
+import { channels, coloursOf, ghostOf, type Theme } from "./theme";
 import { CUT_SLACK, MAX_SECTIONS, sharedUniforms } from "./uniforms";
 import { warmUp } from "./warmup";
 
@@ -504,6 +504,7 @@ export class Stage {
   #colour(): void {
     const colours = coloursOf(this.#theme);
     this.#kept.setColours(colours);
+    this.#uniforms.ghost.value.copy(ghostOf(this.#theme));
     const { above, below } = this.#back.material.uniforms as Record<string, { value: typeof colours.above }>;
     above?.value.copy(colours.above);
     below?.value.copy(colours.below);

@@ -1,6 +1,6 @@
 // The colours behind the shapes, and of their edges.
 
-import { Vector3 } from "three";
+import { Vector3, Vector4 } from "three";
 
 export type Theme = "dark" | "light";
 
@@ -9,6 +9,12 @@ export interface Colours {
   below: Vector3;
   line: Vector3;
 }
+
+/** What is seen through is lighter than a dark background, and darker than a light one. */
+const GHOSTS: Record<Theme, Vector4> = {
+  dark: new Vector4(0.62, 0.7, 0.8, 0.035),
+  light: new Vector4(0.16, 0.22, 0.3, 0.06),
+};
 
 const COLOURS: Record<Theme, Colours> = {
   dark: {
@@ -31,3 +37,4 @@ export const channels = (colour: number): [number, number, number] => [
 ];
 
 export const coloursOf = (theme: Theme): Colours => COLOURS[theme];
+export const ghostOf = (theme: Theme): Vector4 => GHOSTS[theme];

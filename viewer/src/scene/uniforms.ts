@@ -14,6 +14,8 @@ export function sharedUniforms() {
     states: { value: null as Texture | null },
     places: { value: null as Texture | null },
     colours: { value: null as Texture | null },
+    /** The colour of a part that is seen through, and its opacity where it faces the eye. */
+    ghost: { value: new Vector4() },
     /** The colours of other people. */
     others: { value: [new Vector3(), new Vector3(), new Vector3()] },
     /** The vertical, view coordinates. */

@@ -5,7 +5,8 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 
-const FIRST = "input:not([type=radio]), [role=tab][tabindex='0'], button:not([disabled])";
+// Of tabs the chosen one alone: the others leave the order of the Tab key.
+const FIRST = "input:not([type=radio]), button:not([disabled]):not([tabindex='-1'])";
 
 interface SideProps {
   side: "tree" | "panels";

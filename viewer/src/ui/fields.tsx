@@ -1,9 +1,9 @@
 // Buttons that run commands, and fields that take lengths and angles as people type them.
 
-import { useRef, useState } from "preact/hooks";
+import { useId, useRef, useState } from "preact/hooks";
 import { commandOf, runCommand } from "../actions/commands";
 import { hasLabel, labelOf, tipOf } from "../actions/labels";
-import { angleFigure, lengthFigure, parseAngle, parseLength, type Unit } from "../math/units";
+import { angleFigure, keptFigure, lengthFigure, parseAngle, parseLength, type Unit } from "../math/units";
 import { useWorkbench } from "./context";
 import { Icon, type IconName } from "./icons";
 
@@ -91,56 +91,85 @@ interface FigureProps {
   unit: Unit;
   /** Step of an arrow key or a button; Shift: a tenth. */
   step: number;
+  /** The least and the greatest length of a setting, metres; a setting is shown with all the digits that are kept. */
+  range?: readonly [least: number, greatest: number];
   disabled?: boolean;
   change: (value: number) => void;
 }
 
-/** A length or an angle: typed with or without its unit, stepped by arrow keys. */
-export function Figure({ label, value, kind, unit, step, disabled, change }: FigureProps) {
+/** A length or an angle: typed with or without its unit, stepped by arrow keys. What is wrong stays, to be mended. */
+export function Figure({ label, value, kind, unit, step, range, disabled, change }: FigureProps) {
   const [draft, setDraft] = useState<string | null>(null);
+  const [isTold, setTold] = useState(false);
   const input = useRef<HTMLInputElement>(null);
-  const figure = kind === "length" ? lengthFigure(value, unit) : angleFigure(value);
+  const id = useId();
+  const [least, greatest] = range ?? [-Infinity, Infinity];
+  const figure = kind === "angle" ? angleFigure(value) : (range ? keptFigure : lengthFigure)(value, unit);
   const read = (text: string): number | null => (kind === "length" ? parseLength(text, unit) : parseAngle(text));
-  const isWrong = draft !== null && read(draft) === null;
-  const settle = (): void => {
-    const next = draft === null ? null : read(draft);
+  const wrongIn = (text: string): string | null => {
+    const typed = read(text);
+    if (typed === null)
+      return kind === "length" ? "Type a length such as 5, 2.5 mm or 3/8 in" : "Type an angle such as 45 or 0.5 rad";
+    if (typed >= least && typed <= greatest) return null;
+    return `Type a length from ${keptFigure(least, unit)} to ${keptFigure(greatest, unit)} ${unit}`;
+  };
+  const wrong = draft === null ? null : wrongIn(draft);
+  const trouble = isTold ? wrong : null;
+  const reset = (): void => {
     setDraft(null);
-    if (next !== null && draft !== figure) change(next);
+    setTold(false);
+  };
+  const settle = (): void => {
+    if (wrong !== null && draft?.trim() !== "") {
+      setTold(true);
+      return;
+    }
+    const next = wrong === null && draft !== null && draft !== figure ? read(draft) : null;
+    reset();
+    if (next !== null) change(next);
   };
   const onKey = (event: KeyboardEvent): void => {
     const sign = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (sign !== 0) {
       event.preventDefault();
-      setDraft(null);
-      change(value + sign * step * (event.shiftKey ? 0.1 : 1));
+      reset();
+      change(Math.min(greatest, Math.max(least, value + sign * step * (event.shiftKey ? 0.1 : 1))));
     } else if (event.key === "Enter") {
       settle();
       input.current?.select();
     } else if (event.key === "Escape") {
       event.stopPropagation();
-      setDraft(null);
+      reset();
       input.current?.blur();
     }
   };
   return (
-    <label class="figure">
-      <span class="figure-label">{label}</span>
-      <input
-        ref={input}
-        type="text"
-        inputMode="decimal"
-        autocomplete="off"
-        spellcheck={false}
-        value={draft ?? figure}
-        aria-invalid={isWrong}
-        disabled={disabled}
-        onInput={(event) => setDraft(event.currentTarget.value)}
-        onFocus={(event) => event.currentTarget.select()}
-        onBlur={settle}
-        onKeyDown={onKey}
-      />
-      <span class="figure-unit">{kind === "length" ? unit : "°"}</span>
-    </label>
+    <>
+      <label class="figure">
+        <span class="figure-label">{label}</span>
+        <input
+          ref={input}
+          type="text"
+          inputMode="decimal"
+          autocomplete="off"
+          spellcheck={false}
+          value={draft ?? figure}
+          aria-invalid={wrong !== null}
+          aria-describedby={trouble ? id : undefined}
+          disabled={disabled}
+          onInput={(event) => setDraft(event.currentTarget.value)}
+          onFocus={(event) => event.currentTarget.select()}
+          onBlur={settle}
+          onKeyDown={onKey}
+        />
+        <span class="figure-unit">{kind === "length" ? unit : "°"}</span>
+      </label>
+      {trouble && (
+        <p id={id} class="field-error" role="alert">
+          {trouble}
+        </p>
+      )}
+    </>
   );
 }
 
@@ -161,6 +190,7 @@ export function NameField(props: {
     <input
       class="name-field"
       type="text"
+      title={draft ?? props.value}
       aria-label={props.label}
       value={draft ?? props.value}
       disabled={props.disabled}

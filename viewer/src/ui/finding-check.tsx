@@ -1,7 +1,9 @@
 // How the next clash check is made: clearance, contact, rules.
 
-import { useState } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
 import { openRules, setCheck } from "../actions/findings";
+import { saidOf } from "../actions/workbench";
+import { DISTANCES_M } from "../math/units";
 import { useWorkbench } from "./context";
 import { Figure } from "./fields";
 
@@ -28,7 +30,8 @@ export function CheckSettings() {
         value={clash.clearance}
         step={1e-3}
         disabled={is_locked}
-        change={(clearance) => setCheck(wb, { clearance: Math.max(0, clearance) })}
+        range={DISTANCES_M}
+        change={(clearance) => setCheck(wb, { clearance })}
       />
       <Figure
         label="Contact"
@@ -37,7 +40,8 @@ export function CheckSettings() {
         value={clash.contact ?? 0}
         step={1e-4}
         disabled={is_locked || clash.contact === null}
-        change={(contact) => setCheck(wb, { contact: Math.max(0, contact) })}
+        range={DISTANCES_M}
+        change={(contact) => setCheck(wb, { contact })}
       />
       <label class="check">
         <input
@@ -56,26 +60,41 @@ export function CheckSettings() {
   );
 }
 
-/** Rules as TOML; a mistake is told, and the text stays to be mended. */
+/** Rules as TOML; a mistake is told there, and the text stays to be mended. */
 function RulesField({ value }: { value: string }) {
   const wb = useWorkbench();
   const [draft, setDraft] = useState(value);
-  const [is_wrong, setWrong] = useState(false);
+  const [trouble, setTrouble] = useState<string | null>(null);
+  const id = useId();
+  const settle = async (): Promise<void> => {
+    try {
+      if (draft !== value) await wb.send("clash_settings", { rules: draft });
+      setTrouble(null);
+    } catch (error) {
+      setTrouble(saidOf(error));
+    }
+  };
   return (
-    <textarea
-      class="text-field rules"
-      rows={6}
-      spellcheck={false}
-      placeholder={'[[exclude]]\nname = "seals in their grooves"\na = "*o-ring*"\nb = "*housing*"'}
-      aria-label="Rules"
-      aria-invalid={is_wrong}
-      value={draft}
-      disabled={wb.store.is_read_only.value}
-      onInput={(event) => setDraft(event.currentTarget.value)}
-      onKeyDown={(event) => event.stopPropagation()}
-      onBlur={() => {
-        if (draft !== value) void setCheck(wb, { rules: draft }).then((is_done) => setWrong(!is_done));
-      }}
-    />
+    <>
+      <textarea
+        class="text-field rules"
+        rows={6}
+        spellcheck={false}
+        placeholder={'[[exclude]]\nname = "seals in their grooves"\na = "*o-ring*"\nb = "*housing*"'}
+        aria-label="Rules"
+        aria-invalid={trouble !== null}
+        aria-describedby={trouble ? id : undefined}
+        value={draft}
+        disabled={wb.store.is_read_only.value}
+        onInput={(event) => setDraft(event.currentTarget.value)}
+        onKeyDown={(event) => event.stopPropagation()}
+        onBlur={() => void settle()}
+      />
+      {trouble && (
+        <p id={id} class="field-error" role="alert">
+          {trouble}
+        </p>
+      )}
+    </>
   );
 }

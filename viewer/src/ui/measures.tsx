@@ -8,6 +8,7 @@ import { revisionText } from "../model/stale";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, IconButton, NameField } from "./fields";
 import { Icon } from "./icons";
+import { Name } from "./names";
 import { measureText } from "./words";
 
 const TYPES = Object.keys(MEASURE_TITLES) as MeasureType[];
@@ -76,7 +77,7 @@ export function MeasurePanel() {
             <li class="line" key={viewpoint.id}>
               <button type="button" class="part-line" onClick={() => lookFrom(wb, viewpoint)}>
                 <Icon name="eye" size={14} />
-                <span class="row-name">{viewpoint.name}</span>
+                <Name text={viewpoint.name} />
               </button>
               <IconButton
                 icon="trash"

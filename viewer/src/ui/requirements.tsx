@@ -8,7 +8,7 @@ import {
   lookAtRequirement,
 } from "../actions/requirements";
 import type { KeptClear } from "../link/protocol";
-import { formatLength } from "../math/units";
+import { DISTANCES_M, formatLength } from "../math/units";
 import { sinceText } from "../model/stale";
 import { useWorkbench } from "./context";
 import { Figure, IconButton, NameField } from "./fields";
@@ -103,8 +103,9 @@ function RequirementCard({ requirement }: { requirement: KeptClear }) {
         unit={store.unit.value}
         value={gap}
         step={1e-3}
+        range={DISTANCES_M}
         disabled={is_locked}
-        change={(next) => wb.run("requirement_edit", { id, gap: Math.max(0, next) })}
+        change={(gap) => wb.run("requirement_edit", { id, gap })}
       />
       <div class="finding-line">
         <Said requirement={requirement} />

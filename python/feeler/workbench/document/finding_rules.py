@@ -13,22 +13,24 @@ import numpy.typing as npt
 
 from feeler.clashes import Exclusion, Rule, Rules
 from feeler.clashes.limits import both_sides
+from feeler.clashes.rules_file import pattern_of
 from feeler.clashes.tracking import NEW
 from feeler.errors import FeelerError, OptionError
-from feeler.parts import Parts
+from feeler.parts import Parts, escaped
 from feeler.workbench.document.document import Findings
 from feeler.workbench.document.finding_table import FindingTable
 
 _DIGITS = re.compile(r"\d+")
 _NAME = re.compile(r"\s*name\s*=")
-_SPECIAL = re.compile(r"([*?\[\]])")
 
 
 def alike(path: str) -> str:
     """A pattern for the part and its numbered siblings: `a/bolt_012` -> `a/bolt_*`."""
-    folder, _, name = path.rpartition("/")
-    pattern = _DIGITS.sub("*", _SPECIAL.sub(r"?", name))
-    return f"{_SPECIAL.sub('?', folder)}/{pattern}" if folder else pattern
+    folder, slash, name = path.rpartition("/")
+    if not _DIGITS.search(name):
+        return pattern_of(path)
+    pattern = escaped(folder) + slash + _DIGITS.sub("*", escaped(name))
+    return f"[r]{pattern[1:]}" if pattern.startswith("re:") else pattern
 
 
 def with_exclusion(rules: str, name: str, a: str, b: str) -> str:
