@@ -7,6 +7,7 @@ import html
 import io
 import json
 import re
+import shutil
 import sqlite3
 import zipfile
 from dataclasses import replace
@@ -19,7 +20,7 @@ import pytest
 from commands import error_of, run, run_json
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from report_project import BOLD, WAIT_S, fill, loaded, mockup, project
+from report_project import BOLD, PEG, WAIT_S, fill, loaded, mockup, project
 from workbench_scene import Bench
 
 import feeler
@@ -28,6 +29,7 @@ from feeler.errors import FeelerError, LoadError, WriteError
 from feeler.io import write_glb
 from feeler.project import layout
 from feeler.project.book import open_or_make
+from feeler.workbench.document import motion
 from feeler.workbench.document.cards import line_setting
 from feeler.workbench.report import as_html, media
 from feeler.workbench.report.as_json import report_json
@@ -35,7 +37,7 @@ from feeler.workbench.report.as_xlsx import xlsx_bytes
 from feeler.workbench.report.content import report_of
 from feeler.workbench.report.drawing import Drawing
 from feeler.workbench.report.source import Source, of_book
-from feeler.workbench.report.values import Media, PairPlace
+from feeler.workbench.report.values import Media, PairPlace, Report
 from feeler.workbench.session.record import digest
 from feeler.workbench.session.session import Session
 
@@ -114,6 +116,49 @@ def test_the_limits_of_a_check_are_figures(there: Path) -> None:
     document = replace(source.document, findings=replace(findings, check=None, table=table))
     found = report_of(replace(source, document=document), WHEN).check
     assert found is not None and found.contact == 0.001 and found.is_moved
+
+
+def test_a_check_says_which_parts_it_left_out(there: Path, tmp_path: Path) -> None:
+    path = Path(shutil.copy(there, tmp_path / "stand.feelproj"))
+    of = feeler.load_mockup(there.with_name("stand.glb"))
+    session = Session(project=open_or_make(path), has_threads=False)
+    session.open(of, feeler.Scene(of, threads=1), None, tools=[feeler.sample_tool("wrench")], name="stand.glb")
+    assert session.current.out == (PEG,)
+    taken = session.job("clash", {}).result(WAIT_S)
+    session.command("findings_take", {"key": taken["key"]})
+    results = session.job("verify", {}).result(WAIT_S)
+    session.command("requirements_checked", {"results": results})
+    assert session._saver is not None and session._saver.wait(WAIT_S)
+    session.close()
+    source = source_of(path, of)
+    report = report_of(source, WHEN)
+    said = report_json(report)
+    peg = {"count": 1, "paths": ["stand/stand/peg"]}
+    assert [each["out"] for each in (said["check"], *said["requirements"])] == [peg] * 5, "all four were checked"
+    assert not said["check"]["is_moved"] and said["check"]["in_hand"] == {"count": 0, "paths": []}
+    sentence = "Left out of this check: stand/stand/peg (out)."
+    assert as_html.html_page(report, Media()).decode().count(sentence) == 5
+    assert sheets_of(report).count(sentence) == 5
+    # Parts in the hand did not count either, wherever they lay; others lay elsewhere.
+    findings = source.document.findings
+    assert findings is not None and findings.check is not None
+    here = motion.row(np.eye(4))
+    check = replace(findings.check, out=(0, 1, 2, 3), gripped=(5,), moved={4: here, 5: here})
+    document = replace(source.document, findings=replace(findings, check=check), absent=(PEG,))
+    told = report_of(replace(source, document=document), WHEN)
+    paths = of.part_paths
+    assert told.check is not None
+    assert str(told.check.layout) == (
+        f"Left out of this check: {', '.join(paths[:3])} and 1 more (out), {paths[5]} (in the hand). "
+        f"Moved at this check: {paths[4]}."
+    )
+    assert told.notes == (*report.notes, "The project is without 1 part: stand/stand/peg.")
+
+
+def sheets_of(report: Report) -> str:
+    """All text of the workbook."""
+    with zipfile.ZipFile(io.BytesIO(xlsx_bytes(report))) as book:
+        return "".join(book.read(each).decode() for each in book.namelist() if each.startswith("xl/worksheets/sheet"))
 
 
 def test_a_full_disk_leaves_no_half_of_the_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -179,7 +179,11 @@ def _stale(text: str) -> str:
 
 
 def _moved(is_moved: bool, text: str = "Parts were moved since.") -> str:
-    return f"<p class=soft>{text}</p>" if is_moved else ""
+    return _remark(text) if is_moved else ""
+
+
+def _remark(said: object) -> str:
+    return f"<p class=soft>{_text(text)}</p>" if (text := str(said)) else ""
 
 
 def _bytes(count: int) -> str:
@@ -333,7 +337,8 @@ class _Page:
             f"<tr><td>{_named(row.name)}<td class=between><code>{_text(row.a)}</code><br><code>{_text(row.b)}</code>"
             f"<td class=number>{length(row.required) if row.required else 'no overlap'}"
             f"<td>{_chip(row.status)}{_chip('out of date', 'warn') if row.stale else ''}<br>{_text(row.sentence)}"
-            f"{_moved(row.is_moved)}{_stale(row.stale)}<td class=where>{where}{_place(row.point)}{more}</tr>"
+            f"{_remark(row.layout)}{_moved(row.is_moved)}{_stale(row.stale)}"
+            f"<td class=where>{where}{_place(row.point)}{more}</tr>"
         )
 
     def _requirement_card(self, row: RequirementRow) -> str:
@@ -359,6 +364,7 @@ class _Page:
         return [
             "<h2 id=findings>Findings</h2>",
             f"<p>Parts that overlap, touch or are too near. {_text(limits)}{of}{hides}</p>",
+            _remark(check.layout),
             _moved(check.is_moved, "Parts were moved since this check."),
             self._counts(report.findings),
             *self._finding_cards(pictured),

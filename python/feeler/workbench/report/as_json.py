@@ -6,7 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from feeler.workbench.report.values import FindingRow, Maintenance, QuestionRow, Report, RequirementRow, WayRow
+from feeler.workbench.report.values import (
+    Check,
+    FindingRow,
+    Layout,
+    Maintenance,
+    QuestionRow,
+    Report,
+    RequirementRow,
+    WayRow,
+)
 
 VERSION = 1
 
@@ -29,7 +38,7 @@ def report_json(report: Report, written: Mapping[str, str] | None = None) -> dic
         "tool": report.tool or None,
         "changes": {each.name: _listed(getattr(stale, each.name)) for each in fields(stale)},
         "notes": list(report.notes),
-        "check": None if report.check is None else {**asdict(report.check), "of": list(report.check.of)},
+        "check": None if report.check is None else _check(report.check),
         "requirements": [_requirement(row) for row in report.requirements],
         "findings": [_finding(row) for row in report.findings],
         "resolved": [_finding(row) for row in report.resolved],
@@ -44,9 +53,19 @@ def _listed(value: Any) -> Any:
     return dict(value) if isinstance(value, Mapping) else list(value)
 
 
+def _check(check: Check) -> dict[str, Any]:
+    kept = _some(check, ("clearance", "contact", "hidden", "is_moved"))
+    return {**kept, "of": list(check.of), **_layout(check.layout)}
+
+
+def _layout(layout: Layout) -> dict[str, Any]:
+    some = {each.name: getattr(layout, each.name) for each in fields(layout)}
+    return {name: {"count": parts.count, "paths": list(parts.paths)} for name, parts in some.items()}
+
+
 def _requirement(row: RequirementRow) -> dict[str, Any]:
     kept = ("name", "a", "b", "required", "status", "sentence", "gap", "depth", "pairs", "path_a", "path_b", "point")
-    return {**_some(row, kept), "stale": row.stale or None, "is_moved": row.is_moved}
+    return {**_some(row, kept), "stale": row.stale or None, "is_moved": row.is_moved, **_layout(row.layout)}
 
 
 def _finding(row: FindingRow) -> dict[str, Any]:

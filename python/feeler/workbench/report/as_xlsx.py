@@ -29,7 +29,12 @@ MOST_ROWS = 100_000
 _MOST_TEXT = 32_000  # characters that a cell of Excel holds, and some to spare
 _CREATED = datetime.datetime(1980, 1, 1)
 """Fixed, so that equal reports give equal bytes."""
-_WIDTHS = {"part": 44.0, "other part": 44.0, "parts": 60.0, "note": 40.0, "sentence": 60.0, "name": 36.0, "why": 40.0}
+_WIDTHS = {
+    **dict.fromkeys(("part", "other part"), 44.0),
+    **dict.fromkeys(("parts", "sentence", "left out or moved"), 60.0),
+    **dict.fromkeys(("note", "why"), 40.0),
+    "name": 36.0,
+}
 _WIDTH = 14.0
 _PICTURE_PX = 150
 """The height of a picture of a finding."""
@@ -127,13 +132,13 @@ def _sheets(report: Report) -> list[tuple[str, Sequence[str], Rows]]:
 
 _REQUIREMENT = (
     *("name", "a", "b", "required, m", "verdict", "distance, m", "depth, m", "pairs", "part", "other part"),
-    *("x, m", "y, m", "z, m", "out of date"),
+    *("x, m", "y, m", "z, m", "out of date", "left out or moved"),
 )
 
 
 def _requirement(row: RequirementRow) -> list[Cell]:
     facts: list[Cell] = [row.name, row.a, row.b, row.required, row.status, row.gap, row.depth, row.pairs or None]
-    return [*facts, row.path_a, row.path_b, *_xyz(row.point), row.stale]
+    return [*facts, row.path_a, row.path_b, *_xyz(row.point), row.stale, str(row.layout)]
 
 
 _FINDING = (
@@ -218,6 +223,8 @@ def _summary(report: Report) -> list[list[Cell]]:
         ["questions", len(report.questions)],
         ["work steps", len(report.steps)],
     ]
+    if report.check is not None and (said := str(report.check.layout)):
+        lines.append(["clash check", said])
     if report.maintenance is not None:
         run = report.maintenance
         lines += [["maintenance", run.sentence], ["last run", run.at]]

@@ -14,10 +14,19 @@ from feeler.choices import STATUSES
 from feeler.errors import OptionError
 from feeler.io.film import way_length
 from feeler.project.runs import RunRow
-from feeler.words import length
+from feeler.words import length, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import CardAnswer, WayFacts
-from feeler.workbench.document.document import Card, Findings, KeptClear, Removal, Since, is_stale
+from feeler.workbench.document.document import (
+    Card,
+    Check,
+    Findings,
+    KeptClear,
+    Removal,
+    Since,
+    Verdict,
+    is_stale,
+)
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
 from feeler.workbench.document.joints import JointStep, figure
 from feeler.workbench.report import values
@@ -25,6 +34,8 @@ from feeler.workbench.report.source import Source
 
 LONGEST_NAME, LONGEST_TEXT = 500, 5_000
 """Characters of names, and of notes and sentences; the rest is cut."""
+MOST_LISTED = 100
+"""Paths of parts that were out, in the hand or moved; there are counts, too."""
 MOST_ROWS = 20_000
 """Rows of one table: parts, blockers, fasteners, marks of one finding."""
 _LARGEST_M = 1e9
@@ -61,7 +72,7 @@ def report_of(source: Source, when: datetime.datetime | None = None) -> values.R
         questions=tuple(map(writer.question, document.cards)),
         steps=tuple(writer.steps()),
         maintenance=_maintenance(source),
-        notes=source.notes,
+        notes=(*source.notes, *writer.left_out()),
     )
 
 
@@ -118,6 +129,19 @@ class _Writer:
         now = self._document
         return (dict(moved), tuple(out), tuple(gripped)) != (dict(now.moved), now.out, tuple(now.gripped))
 
+    def _layout(self, moved: Mapping[int, Any], out: Sequence[int], gripped: Sequence[int]) -> values.Layout:
+        gone = {*out, *gripped}
+        return values.Layout(*map(self._few, (out, gripped, [part for part in moved if part not in gone])))
+
+    def _few(self, parts: Sequence[int]) -> values.SomeParts:
+        there = [part for part in parts if 0 <= part < self._count]
+        return values.SomeParts(len(there), self.paths(there[:MOST_LISTED]))
+
+    def left_out(self) -> list[str]:
+        """A note on the parts that the whole project leaves out."""
+        absent = self._document.absent
+        return [f"The project is without {plural(len(absent), 'part')}: {self._few(absent)}."] if absent else []
+
     def _selection(self, pattern: str) -> frozenset[int] | None:
         """The parts of a pattern; None if there are none."""
         if pattern not in self._selected:
@@ -155,7 +179,8 @@ class _Writer:
             status=status,
             sentence=cut(_requirement_words(asked, status, a, b, gap, depth), LONGEST_TEXT),
             stale="; ".join(dict.fromkeys(filter(None, stale))),
-            is_moved=verdict is not None and self._is_moved(verdict.moved, verdict.out, verdict.gripped),
+            is_moved=verdict is not None and self._is_moved(*_lay(verdict)),
+            layout=self._layout(*_lay(verdict)),
             gap=gap,
             depth=depth,
             pairs=0 if verdict is None else verdict.pairs,
@@ -177,13 +202,13 @@ class _Writer:
             return None
         facts, made = found.table.facts, found.check
         contact = cut(facts.contact) if isinstance(facts.contact, str) else facts.contact
-        lay = ({}, (), ()) if made is None else (made.moved, made.out, made.gripped)
         return values.Check(
             facts.clearance,
             contact,
             {cut(name): count for name, count in found.table.hidden.items()},
-            self._is_moved(*lay),
+            self._is_moved(*_lay(made)),
             () if made is None or made.of is None else self.paths(made.of),
+            self._layout(*_lay(made)),
         )
 
     def findings(self) -> list[values.FindingRow]:
@@ -467,6 +492,11 @@ def _joint_words(step: JointStep) -> str:
 def _gaps(way: WayFacts) -> tuple[tuple[float, float | None], ...]:
     rows = ((each["share"], each["gap"]) for each in way["gaps"][:MOST_ROWS] if 0.0 <= each["share"] <= 1.0)
     return tuple((share, None if gap is None else max(0.0, gap)) for share, gap in rows)
+
+
+def _lay(checked: Check | Verdict | None) -> tuple[Mapping[int, Any], Sequence[int], Sequence[int]]:
+    """Where parts lay at a check: those that were moved, out and in the hand. None: a check on the command line."""
+    return ({}, (), ()) if checked is None else (checked.moved, checked.out, checked.gripped)
 
 
 def _sizes(verdict: Any) -> tuple[float | None, float | None]:

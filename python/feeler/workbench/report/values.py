@@ -9,6 +9,7 @@ from feeler.project.parts import PartChanges
 from feeler.workbench.document.motion import Row
 
 Point = tuple[float, float, float]
+_SHOWN = 3  # paths in a sentence
 
 
 @dataclass(frozen=True)
@@ -33,9 +34,36 @@ class PairPlace:
 
 
 @dataclass(frozen=True)
+class SomeParts:
+    """How many parts, and the paths of the first of them."""
+
+    count: int = 0
+    paths: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        shown = self.paths[:_SHOWN]
+        left = self.count - len(shown)
+        return ", ".join(shown) + (f" and {left:,} more" if left else "")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a check was of: parts that were out and those in the hand did not count, others were moved."""
+
+    out: SomeParts = SomeParts()
+    in_hand: SomeParts = SomeParts()
+    moved: SomeParts = SomeParts()
+
+    def __str__(self) -> str:
+        left = [f"{parts} ({how})" for parts, how in ((self.out, "out"), (self.in_hand, "in the hand")) if parts.count]
+        said = [f"Left out of this check: {', '.join(left)}."] if left else []
+        return " ".join([*said, f"Moved at this check: {self.moved}."] if self.moved.count else said)
+
+
+@dataclass(frozen=True)
 class RequirementRow:
     """A clearance that must hold. status: "holds", "violated", "unknown" or "not checked". stale: what of the mock-up
-    changed since; is_moved: parts lie elsewhere since.
+    changed since; is_moved: parts lie elsewhere since. layout: of its check.
 
     gap, depth: metres, of the worst pair. pairs: how many violate it.
     """
@@ -49,6 +77,7 @@ class RequirementRow:
     sentence: str
     stale: str = ""
     is_moved: bool = False
+    layout: Layout = Layout()
     gap: float | None = None
     depth: float | None = None
     pairs: int = 0
@@ -85,9 +114,9 @@ class FindingRow:
 
 @dataclass(frozen=True)
 class Check:
-    """The clash check: its limits, and whether parts lie elsewhere since.
+    """The clash check: its limits, what it was of, and whether parts lie elsewhere since.
 
-    contact: metres, or how it was chosen ("chord").
+    contact: metres, or how it was chosen ("chord"). of: only pairs with these.
     """
 
     clearance: float
@@ -95,6 +124,7 @@ class Check:
     hidden: Mapping[str, int]
     is_moved: bool
     of: tuple[str, ...]
+    layout: Layout = Layout()
 
 
 @dataclass(frozen=True)
