@@ -194,6 +194,36 @@ def test_a_check_of_the_command_line_knows_findings_of_the_workbench_in_another_
     assert sum(status == "reviewed" for status in found.statuses) == len(before)
 
 
+@pytest.mark.parametrize("name", ["command", "page"])
+def test_the_history_of_a_finding_says_when_it_was_gone_and_when_it_is_there_again(tmp_path: Path, name: str) -> None:
+    """Whether anything was said of it before or not, and however many checks it was away."""
+    path, away = tmp_path / "a.feelproj", revision(p1=("move", 50.0))
+    found = feeler.clash(stand(), 0.3)
+    first, second, *_ = [row.id for row in found if PATHS[LEFT] in (row.path_a, row.path_b)]
+    found.set_status(first, "approved", by="Ada", note="asked")
+    with feeler.open_project(path, stand()) as project:
+        project.write_clashes(found)
+    for now in (away, away, stand(), stand()):
+        if name == "command":
+            with contextlib.closing(open_or_make(path)) as book:
+                take_mockup(book, now, Work([]))
+                again, known = feeler.clash(now, 0.3), book.clashes()
+                assert known is not None
+                again.diff(known)
+                book.write_clashes(again)
+        else:
+            session = opened(path, now)
+            session.command("clash_settings", {"clearance": 0.3})
+            take(session, "clash")
+            saved(session)
+            session.close()
+    with feeler.open_project(path) as project:
+        told = [[line["status"] for line in project.history(each)] for each in (first, second)]
+        assert told[0] == ["approved", "resolved", "new", "active"]
+        assert told[1] == ["resolved", "new", "active"]
+        assert {row["id"]: row["status"] for row in project.findings()}[first] == "active", "the last line says it"
+
+
 def test_a_report_of_another_file_has_the_history_of_its_findings(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     checked(path)

@@ -471,7 +471,7 @@ def test_clearances_that_must_hold() -> None:
     # The parts count where they lie now.
     bench.command("grip", parts=[PEG])
     left, peg = verified(bench)
-    assert (left["status"], peg["status"], peg["gripped"]) == ("holds", "holds", [PEG])
+    assert (left["status"], peg["status"], peg["gripped"]) == ("holds", "unknown", [PEG]), "it is in the hand"
     written = bench.session.job("export_requirements", {}).result(WAIT_S)
     text = bench.session.export(written["name"]).decode()
     assert 'name = "the left post"' in text and "gap = 0.0005" in text

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 from feeler.atomic import check_target
@@ -35,6 +36,7 @@ from feeler.project.store import Change, Row, Store, drop, put
 _MARKED = ("status", "by", "note", *APPROVAL)
 """What a mark has of `tracking.Mark`. The workbench adds the number of a group that was made by hand."""
 _NEW = {"status": "new"}
+_RESOLVED = {"status": "resolved"}
 _FACTS = ("version", "clearance", "contact", "parts", "triangles", "files", "hidden")
 """Of the head of a check, as the workbench keeps them."""
 _MOST_HISTORY = 1_000_000
@@ -126,14 +128,14 @@ class Book:
         head = {**saving.head(clashes), "earlier": earlier, **saving.shapes_of_file(clashes)}
         groups = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
         rows = [{**row, "group": groups[place]} for place, row in enumerate(saving.rows(clashes))]
-        ended = ended_marks(resolved_of(head))
+        gone = [row["id"] for row in resolved_of(head)]
         waiting = {row["id"]: row for row in earlier if row["status"] != "resolved"}
         every = {**{row["id"]: row for row in rows}, **waiting}
         here = {key: {name: row[name] for name in _MARKED if name in row} for key, row in every.items()}
         ids = {before: now for before, now in self._renamed(clashes).items() if now in here}
         known, listed = renamed_marks(self.marks(), ids), {str(row.get("id")) for row in self.findings()}
         marks = {}
-        others = {*here, *ended, *listed}
+        others = {*here, *gone, *listed}
         # Findings that the workbench ignores are not listed: their marks stay.
         for key in [*here, *(key for key in known if key not in others)]:
             more = {name: value for name, value in known.get(key, {}).items() if key not in here or name not in _MARKED}
@@ -141,7 +143,7 @@ class Book:
             if mark != _NEW:
                 marks[key] = mark
         changes = [put("facts", CHECK, 0, dumps(head)), *self.findings_changes(rows), *self.history_changes(ids)]
-        changes += self.marks_changes(marks, ended, known)
+        changes += self.marks_changes(marks, here, gone, ids)
         self.write([*changes, *self._of_another_check(head), *beside])
 
     def check_changes(
@@ -255,24 +257,28 @@ class Book:
     def marks_changes(
         self,
         marks: Mapping[str, Mapping[str, Any]],
-        ended: Mapping[str, Mapping[str, Any]] | None = None,
-        before: Mapping[str, Mapping[str, Any]] | None = None,
+        listed: Iterable[str],
+        gone: Iterable[str] = (),
+        ids: Mapping[str, str] = MappingProxyType({}),
     ) -> Iterator[Change]:
-        """Makes these the marks of the findings, and adds a line to the history for each change.
+        """Makes these the marks of the findings, and adds a line to the history of each that says something else.
 
-        ended: the marks of findings that are gone, for the history; None: a finding without a mark is new again.
-        before: the marks to compare with; None: those of the file.
+        Findings that are gone are resolved; others without a mark are new, also those that were gone and are listed
+        again. ids: as for `history_changes`.
         """
-        at = now()
-        before = self.marks() if before is None else before
-        number = self.history_length()
-        for key in [*marks, *(key for key in before if key not in marks)]:
-            known = before.get(key, _NEW)
-            mark = marks.get(key, _NEW if ended is None else ended.get(key, known))
-            if (line := _line(key, at, mark)) != _line(key, at, known) and number < _MOST_HISTORY:
+        at, number = now(), self.history_length()
+        said, before, resolved = self._last_lines(ids), renamed_marks(self.marks(), ids), dict.fromkeys(gone)
+        for key in dict.fromkeys((*marks, *before, *resolved, *listed)):
+            known = said.get(key) or _line(key, at, before.get(key, _NEW))
+            line = _line(key, at, marks.get(key, _RESOLVED if key in resolved else _NEW))
+            if line != {**known, "id": key, "at": at} and number < _MOST_HISTORY:
                 yield put("history", str(number), number, dumps(line))
                 number += 1
         yield from self.list_changes("marks", {key: dumps({"id": key, **mark}) for key, mark in marks.items()})
+
+    def _last_lines(self, ids: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+        """The last line of the history of each finding."""
+        return renamed_marks({row["id"]: row for row in self.history() if isinstance(row.get("id"), str)}, ids)
 
     def some_marks_changes(self, marks: Mapping[str, Mapping[str, Any] | None], at: str) -> Iterator[Change]:
         """Replaces some marks, None: by none, and adds a line to the history for each change."""
@@ -359,11 +365,6 @@ def _earlier(head: Any) -> list[dict[str, Any]]:
 def resolved_of(head: Any) -> list[dict[str, Any]]:
     """The findings of the check before that are gone, as JSON. head: the fact `CHECK` of a project of anybody."""
     return [each for each in _earlier(head) if each.get("status") == "resolved" and isinstance(each.get("id"), str)]
-
-
-def ended_marks(resolved: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
-    """What the history says of findings that are gone."""
-    return {row["id"]: {"status": "resolved"} for row in resolved}
 
 
 def _line(finding: str, at: str, mark: Mapping[str, Any]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ import numpy as np
 from feeler.clashes.tracking import NEW, mark_json, mark_of_json
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
-from feeler.project.book import CHECK, Book, dumps, ended_marks, resolved_of, row_id
+from feeler.project.book import CHECK, Book, dumps, resolved_of, row_id
 from feeler.project.layout import TABLES
 from feeler.project.renaming import Names
 from feeler.project.store import Change, Row, drop, put
@@ -174,12 +174,6 @@ def check_changes(book: Book, found: Findings | None, *, is_same_check: bool) ->
     if found is None:
         return book.check_changes({}, (), is_same_check=False)
     return book.check_changes(found.table.facts_json(), found.resolved, is_same_check=is_same_check)
-
-
-def ended(book: Book, found: Findings | None) -> dict[str, dict[str, Any]]:
-    """What the history says of findings of which nothing is said any more: they are gone, or new again."""
-    new = dict.fromkeys(book.marks(), mark_json(NEW))
-    return new if found is None else {**new, **ended_marks(found.resolved)}
 
 
 def marks_that_differ(old: Findings, new: Findings) -> dict[str, dict[str, Any] | None]:

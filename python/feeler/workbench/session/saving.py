@@ -250,14 +250,14 @@ class Saver:
             rows.append(row)
             if number % 16 == 0:
                 time.sleep(0)
-        there = {str(row.get("id")) for row in project.findings()}
+        there, here = {str(row.get("id")) for row in project.findings()}, [str(row["id"]) for row in rows]
         known = {row.value for row in project.rows("findings")}
         is_some_of_them = all(dumps(row) in known for row in rows)  # others are ignored now
-        is_same = is_some_of_them or there == {str(row["id"]) for row in rows}
+        is_same = is_some_of_them or there == {*here}
         yield from keeping.check_changes(project, target.findings, is_same_check=is_same)
         yield from project.findings_changes(rows)
-        ended = keeping.ended(project, target.findings)
-        yield from project.marks_changes(keeping.finding_marks(target.findings), ended)
+        gone = [] if target.findings is None else [str(row["id"]) for row in target.findings.resolved]
+        yield from project.marks_changes(keeping.finding_marks(target.findings), here, gone)
 
     def _opening(
         self,
@@ -316,7 +316,7 @@ def project_of(document: Document, mockup: Mockup) -> bytes:
                 *keeping.changes(None, document),
                 *keeping.check_changes(book, found, is_same_check=False),
                 *book.findings_changes(keeping.finding_rows(found)),
-                *book.marks_changes(keeping.finding_marks(found)),
+                *book.marks_changes(keeping.finding_marks(found), ()),
             ]
             book.write(changes)
             return book.copied()
