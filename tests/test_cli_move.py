@@ -141,6 +141,8 @@ def test_parts_that_meet_are_told_where_they_first_do(door: Path, tmp_path: Path
     words = ["move", str(door), "--mechanism", str(tmp_path / "cowl.toml"), "--joint", "hinge=0:90"]
     assert "they first meet at hinge = 58.0536 degrees: m/door and m/wall" in run(*words, code=1).stdout
     assert run_json(*words, code=1)["first"]["value"] == pytest.approx(np.radians(58.0537), abs=1e-5)
+    # "At least 0" is true of parts that go through each other, too.
+    assert run(*words, "--require", "0", code=1).stdout.startswith("does not hold: parts meet")
 
 
 def test_only_the_lower_bound_says_that_it_holds(door: Path, tmp_path: Path) -> None:

@@ -93,7 +93,7 @@ def move(
     """Moves parts by their joints, and bounds the least gap over all positions.
 
     Without --joint: the free range of each joint, and what it meets first.
-    Exit status: 0 the lower bound of the gap is at least --require, or more than 0; 1 it is not, 2 bad input.
+    Exit status: 0 the lower bound of the gap is more than 0, and at least --require; 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
 
@@ -292,7 +292,7 @@ def _tell(
     if they do."""
     from feeler.cli import outputs
 
-    holds = found.lower > 0.0 if require is None else found.lower >= require
+    holds = found.lower > 0.0 and found.lower >= (require or 0.0)
     is_open = found.upper > 0.0 and found.upper >= (require or 0.0)
     if as_json:
         facts = {"holds": holds, "require_m": require, **found.to_dict(), "written": written}
