@@ -140,7 +140,8 @@ class _Search:
         self.touches = touches_of(self.child, self.parent, reach)
         self._in_fits = np.zeros(len(self.touches), dtype=bool)
         if len(self.touches) < 3:
-            raise self._error(f"have nothing in contact within {length(reach)}", ())
+            why = "parts drawn through each other have none there, such as a bolt in a hole as wide as its core"
+            raise self._error(f"have nothing in contact, no faces within {length(reach)} of each other ({why})", ())
 
     def joint(self) -> Joint:
         ball = ball_of(self.touches)
