@@ -75,6 +75,10 @@ def test_a_task_is_planned_watched_and_edited(context: Any, files: tuple[Path, P
 
         # Edits plan again: a typed time, an order, and what is off already; each can be taken back.
         rows.nth(2).click()
+        panel.get_by_label("Time").fill("-5")
+        panel.get_by_label("Time").press("Enter")
+        panel.get_by_text("Type seconds such as 90").wait_for()
+        assert panel.get_by_label("Time").input_value() == "-5", "it stays, to be mended"
         panel.get_by_label("Time").fill("1.5 min")
         panel.get_by_label("Time").press("Enter")
         edited(page, 1)

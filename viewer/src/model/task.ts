@@ -87,14 +87,15 @@ export function sightText(share: number): string {
 
 /** Seconds that were typed, with their unit or without: "90", "1.5 min", "1:30"; null: none. */
 export function parseSeconds(text: string): number | null {
-  const clock = /^\s*(\d+):(\d{1,2})\s*$/.exec(text);
-  if (clock) return 60 * Number(clock[1]) + Number(clock[2]);
+  const clock = /^\s*(\d+):([0-5]?\d)\s*$/.exec(text);
+  if (clock) return atMost(60 * Number(clock[1]) + Number(clock[2]));
   const found = /^\s*(\d+(?:[.,]\d+)?|[.,]\d+)\s*(s|min|h)?\s*$/.exec(text);
   if (!found) return null;
   const unit = { min: 60, h: 3600 }[found[2] ?? ""] ?? 1;
-  const value = Number((found[1] as string).replace(",", ".")) * unit;
-  return value <= 1e6 ? value : null;
+  return atMost(Number((found[1] as string).replace(",", ".")) * unit);
 }
+
+const atMost = (seconds: number): number | null => (seconds <= 1e6 ? seconds : null);
 
 /** The step whose tool stands in its seat while a film is at its beginning; null: none. */
 export function seatedStep(answer: CardAnswer | undefined, step: number, share: number): number | null {

@@ -1,7 +1,7 @@
 // The plan of a task: a Gantt chart by person, the step that is looked at, and the edits.
 
 import { useSignal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useId, useState } from "preact/hooks";
 import { showPart } from "../actions/cards";
 import { editTask, showStep } from "../actions/tasks";
 import type { Card, CardAnswer, TaskAnswer, TaskSight, TaskStepFacts } from "../link/protocol";
@@ -295,39 +295,53 @@ const sights = new WeakMap<TaskAnswer, Map<number, Promise<TaskSight | null>>>()
 function TimeField(props: { seconds: number | null; disabled: boolean; change: (seconds: number | null) => void }) {
   const [draft, setDraft] = useState<string | null>(null);
   const shown = props.seconds === null ? "" : String(props.seconds);
+  const [isTold, setTold] = useState(false);
+  const id = useId();
   const isWrong = draft !== null && draft.trim() !== "" && parseSeconds(draft) === null;
-  const settle = (): void => {
-    if (draft !== null && !isWrong) {
-      const next = draft.trim() === "" ? null : parseSeconds(draft);
-      if (next !== props.seconds) props.change(next);
-    }
+  const reset = (): void => {
     setDraft(null);
+    setTold(false);
+  };
+  const settle = (): void => {
+    setTold(isWrong);
+    if (isWrong) return;
+    const next = !draft?.trim() ? null : parseSeconds(draft);
+    if (draft !== null && next !== props.seconds) props.change(next);
+    reset();
   };
   return (
-    <label class="figure task-time">
-      <span class="figure-label">Time</span>
-      <input
-        type="text"
-        inputMode="decimal"
-        autocomplete="off"
-        spellcheck={false}
-        placeholder="counted"
-        title="Seconds, or 1.5 min, or 1:30; empty: counted"
-        value={draft ?? shown}
-        aria-invalid={isWrong}
-        disabled={props.disabled}
-        onInput={(event) => setDraft(event.currentTarget.value)}
-        onBlur={settle}
-        onKeyDown={(event) => {
-          if (event.key === "Enter") settle();
-          else if (event.key === "Escape") {
-            event.stopPropagation();
-            setDraft(null);
-          }
-        }}
-      />
-      <span class="figure-unit">s</span>
-    </label>
+    <>
+      <label class="figure task-time">
+        <span class="figure-label">Time</span>
+        <input
+          type="text"
+          inputMode="decimal"
+          autocomplete="off"
+          spellcheck={false}
+          placeholder="counted"
+          title="Seconds, or 1.5 min, or 1:30; empty: counted"
+          value={draft ?? shown}
+          aria-invalid={isWrong}
+          aria-describedby={isTold && isWrong ? id : undefined}
+          disabled={props.disabled}
+          onInput={(event) => setDraft(event.currentTarget.value)}
+          onBlur={settle}
+          onKeyDown={(event) => {
+            if (event.key === "Enter") settle();
+            else if (event.key === "Escape") {
+              event.stopPropagation();
+              reset();
+            }
+          }}
+        />
+        <span class="figure-unit">s</span>
+      </label>
+      {isTold && isWrong && (
+        <p id={id} class="field-error" role="alert">
+          Type seconds such as 90, or 1.5 min, or 1:30
+        </p>
+      )}
+    </>
   );
 }
 
