@@ -286,6 +286,7 @@ def test_an_import_loads_only_what_is_asked_for() -> None:
         "field_docs",
         "figures",
         "ignored",
+        "part_meshes",
         "parts",
         "poses",
         "progress",

@@ -434,11 +434,11 @@ _HOMES = {
     ),
     "feeler.source": ("Source",),
     "feeler.spreading": ("WorkerLost",),
-    "feeler.tasks.holding": (
+    "feeler.tasks.held_rows": (
         "Hold",
         "Holds",
-        "holds",
     ),
+    "feeler.tasks.holding": ("holds",),
     "feeler.tasks.answer": ("Task", "TaskInterrupted"),
     "feeler.tasks.nightly": ("maintain",),
     "feeler.tasks.planning": ("task",),
