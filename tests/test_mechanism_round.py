@@ -233,7 +233,7 @@ def test_a_bolt_as_wide_as_its_thread_turns_in_a_hole_as_wide_as_its_core(kind: 
     joint = Joint("j", kind, "plate", "bolt", turn[:, 2], place, **pitch)  # type: ignore[arg-type]
     moved = Mechanism(feeler.Mockup(parts), [joint])
     found = moved.range("j.turn" if kind == "cylindrical" else "j")
-    # The head meets the plate after 2.5 turns in; a turn without an end is told as one.
+    # The head meets the plate only after 2.5 turns; a range that is free for a whole turn is reported as one turn.
     assert (found.lower, found.upper) == pytest.approx(FREE) and [seat.kind for seat in found.seats] == ["round"]
 
 

@@ -115,6 +115,16 @@ def test_a_check_with_a_smaller_clearance_keeps_what_was_said(tmp_path: Path) ->
     session.close()
 
 
+def check_by_command(path: Path, now: feeler.Mockup) -> None:
+    """Checks a mock-up and keeps the findings in a project, as `feeler clash` does."""
+    with contextlib.closing(open_or_make(path)) as book:
+        take_mockup(book, now, Work([]))
+        again, known = feeler.clash(now, 0.3), book.clashes()
+        assert known is not None
+        again.diff(known)
+        book.write_clashes(again)
+
+
 @pytest.mark.parametrize("is_moved", [True, False], ids=["moved", "left out"])
 def test_findings_that_are_gone_are_the_same_in_the_workbench_and_out_of_it(tmp_path: Path, is_moved: bool) -> None:
     """They keep their notes and their history, through undo, and in the next file."""
@@ -128,13 +138,7 @@ def test_findings_that_are_gone_are_the_same_in_the_workbench_and_out_of_it(tmp_
         with feeler.open_project(path, stand()) as project:
             project.write_clashes(found)
         if name == "command":
-            with contextlib.closing(open_or_make(path)) as book:
-                take_mockup(book, now, Work([]))
-                again = feeler.clash(now, 0.3)
-                known = book.clashes()
-                assert known is not None
-                again.diff(known)
-                book.write_clashes(again)
+            check_by_command(path, now)
         else:
             session = opened(path, now)
             session.command("clash_settings", {"clearance": 0.3})
@@ -205,12 +209,7 @@ def test_the_history_of_a_finding_says_when_it_was_gone_and_when_it_is_there_aga
         project.write_clashes(found)
     for now in (away, away, stand(), stand()):
         if name == "command":
-            with contextlib.closing(open_or_make(path)) as book:
-                take_mockup(book, now, Work([]))
-                again, known = feeler.clash(now, 0.3), book.clashes()
-                assert known is not None
-                again.diff(known)
-                book.write_clashes(again)
+            check_by_command(path, now)
         else:
             session = opened(path, now)
             session.command("clash_settings", {"clearance": 0.3})

@@ -13,6 +13,9 @@ import feeler
 from feeler.samples import hardware
 from feeler.samples.shapes import skin_loops
 from feeler.samples.tessellation import Tolerance, circle, hexagon
+from feeler.tasks import fixings
+from feeler.tasks.captive import free_travel
+from feeler.tasks.times import Arithmetic, Times
 
 COARSE = Tolerance(3e-4)
 LUMP = box((0.2, 0.0, 0.0), (0.21, 0.01, 0.01))
@@ -62,6 +65,35 @@ def test_a_captive_screw_is_pushed_back_and_leaves_with_its_cover(tapped: float)
 def test_a_thread_begins_at_the_floor_of_a_narrow_pocket(pocket: float) -> None:
     (_, _, last) = feeler.task(feeler.Scene(tilted(captive_cover(0.003, pocket=pocket), 2)), "cover").steps
     assert sorted(last.paths) == ["captive screw 0", "captive screw 1", "cover"]
+
+
+@pytest.mark.parametrize("is_above", [True, False])
+def test_a_screw_is_captive_in_the_narrow_one_of_two_parts(is_above: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What its thread meets is asked of each part, and once for all plans of a mock-up."""
+    asked = []
+
+    def counted(*given: Any) -> float | None:
+        asked.append(given)
+        return free_travel(*given)
+
+    monkeypatch.setattr(fixings, "free_travel", counted)
+    parts = captive_cover(0.003)
+    holes = {
+        "upper": (0.0026 if is_above else 0.0034, 0.003, 0.006),
+        "lower": (0.0034 if is_above else 0.0026, 2e-5, 0.003),
+    }
+    del parts["cover"]
+    for name, (hole, low, high) in holes.items():
+        parts[name] = joined(*(moved(ring(hole, low, high), x) for x in (-0.03, 0.03)))
+    mockup = tilted(parts, 3)
+    rows = feeler.find_fasteners(mockup)
+    for _ in range(3):
+        scene = feeler.Scene(mockup)
+        found = fixings.Fixings(scene, rows, feeler.holds(scene, rows), Arithmetic(Times()))
+        captive = {mockup.part_names[part]: found.captive_on(part) for part in found}
+        narrow = mockup.part_names.index("upper" if is_above else "lower")
+        assert captive == {"captive screw 0": narrow, "captive screw 1": narrow}
+    assert len(asked) == 4
 
 
 def test_a_captive_screw_stays_in_a_cover_that_stays() -> None:

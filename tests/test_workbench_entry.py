@@ -34,7 +34,7 @@ def test_what_is_seen_through_is_seen_in_light_and_dark(context: Any, stand: Pat
             page.keyboard.press("Alt+h")
             wait(page, "() => window.feeler.document.hidden.length + window.feeler.document.ghost.length === 0")
             contrast = np.maximum(*seen) / np.minimum(*seen)
-            assert (contrast > 1.15).mean() > 0.15, (scheme, "what is not seen has no contrast")
+            assert (contrast > 1.15).mean() > 0.15, (scheme, "parts that are out differ from the background")
 
 
 def figure(page: Any, label: str) -> Any:
@@ -63,7 +63,7 @@ def test_a_length_that_cannot_be_is_told_at_its_field(context: Any, stand: Path)
                 assert field.input_value() == wrong and field.get_attribute("aria-invalid") == "true"
             typed(field, "abc")
             assert told.inner_text() == "Type a length such as 5, 2.5 mm or 3/8 in"
-            # What is right is kept in full, also where it is small.
+            # A valid length keeps all its digits, also a small one.
             typed(field, "0.0005")
             told.wait_for(state="detached")
             wait(page, "field => field.value === '0.0005'", field.element_handle())
@@ -72,7 +72,7 @@ def test_a_length_that_cannot_be_is_told_at_its_field(context: Any, stand: Path)
         assert page.locator(".notice.error").count() == 0
         kept = document(page)
         assert kept["requirements"][0]["gap"] == kept["clash"]["clearance"] == kept["clash"]["contact"] == 0.003175
-        # An arrow key stops at the least one; Escape takes back what was typed.
+        # Arrow keys stop at the least length; Escape restores the last valid one.
         field = figure(page, "Clearance")
         for _ in range(5):
             field.press("ArrowDown")
@@ -98,7 +98,7 @@ def test_what_was_told_of_a_rule_goes_once_it_is_right(context: Any, stand: Path
         rules.fill('[[exclude]]\nname = "ours"\na = "pump"\nb = "plate"\n')
         rules.blur()
         told.wait_for(state="detached")
-        # A rule whose name is taken is told in a notice, which goes, too.
+        # A rule with a name that exists raises a notice, which disappears as well.
         typed(figure(page, "Clearance"), "2")
         page.get_by_role("button", name="Check clashes").click()
         page.locator(".finding", has_text="left").first.click()

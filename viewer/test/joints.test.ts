@@ -141,7 +141,7 @@ test("colours are told in the unit that is shown, and a joint between two stops 
   assert.equal(isFixed({ ...RANGE, upper: 0, below: met }), false);
 });
 
-test("rules for clash checks are told from mechanisms", () => {
+test("a file of clash rules is not taken for a mechanism", () => {
   for (const text of ['version = 1\n[[rule]]\nname = "x"', "  [[exclude]]\r\nfasteners = true"])
     assert.ok(isRules(text));
   for (const text of ["", "[[joint]]\n[[rule]]", 'name = "[[rule]]"', "# [[rule]]"]) assert.equal(isRules(text), false);

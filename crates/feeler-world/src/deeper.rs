@@ -126,7 +126,7 @@ impl Surroundings {
 /// How deep parts are at a pose; `None` where nothing bounds it.
 type Measure<'a> = dyn Fn(&Pose) -> Result<Option<Excess>> + 'a;
 
-/// A part of a body, and by how much it is deeper by points than it may be, metres; below 0 by what is left.
+/// A part of a body, and its depth by points less the depth that is allowed, metres: negative where it may go deeper.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Excess {
     pub part: u32,

@@ -137,7 +137,7 @@ def is_fastener(path: str) -> bool | None:
     """
     name = without_accents(telling_name(path))
     plain = _FACING.sub(" ", name)
-    # "Bracket (bolt)" and "Cover - screw" are what is said first.
+    # What follows in brackets or behind a dash describes: "Bracket (bolt)" is a bracket, "Cover - screw" a cover.
     phrases = [*_PHRASES.split(_BRACKETS.sub(" ", plain)), plain]
     text = next((phrase for phrase in phrases if _said(phrase) != []), "")
     words = _said(text)

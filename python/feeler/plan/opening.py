@@ -236,7 +236,8 @@ class _Passage:
                 break
             step *= 0.5
             turns = [turn - step, turn + step]
-        # A box that fits at a turn has one of its shape in it at each other turn, smaller by what the difference costs.
+        # A box that fits at one turn contains a smaller one of the same shape at any other turn. So if that smaller one
+        # does not fit in the middle of a range of turns, no larger box than the best fits in the whole range.
         step, middles, tried = whole / TURNS, [whole / TURNS * k for k in range(TURNS)], 0
         while middles and best < math.inf and tried + len(middles) <= MOST_TURNS:
             tried, off, inner = tried + len(middles), math.radians(0.5 * step), list[float]()

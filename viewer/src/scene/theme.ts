@@ -10,7 +10,7 @@ export interface Colours {
   line: Vector3;
 }
 
-/** What is seen through is lighter than a dark background, and darker than a light one. */
+/** The colour of see-through parts: lighter than a dark background, darker than a light one. */
 const GHOSTS: Record<Theme, Vector4> = {
   dark: new Vector4(0.62, 0.7, 0.8, 0.035),
   light: new Vector4(0.16, 0.22, 0.3, 0.06),

@@ -114,7 +114,7 @@ class FindingRow:
 
 @dataclass(frozen=True)
 class Check:
-    """The clash check: its limits, what it was of, and whether parts lie elsewhere since.
+    """The clash check: its limits, the parts that it was limited to, and whether parts were moved after it.
 
     contact: metres, or how it was chosen ("chord"). of: only pairs with these.
     """
