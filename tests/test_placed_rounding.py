@@ -168,6 +168,13 @@ def test_text_has_its_rounding_however_a_node_places_it(
     assert [each.verdict for each in feeler.clash(mockup, clearance=0.0)] == [feeler.Verdict.CONTACT]
 
 
+@pytest.mark.parametrize("turn", ["0 0 0 0", "0 0 1 0", "nan 0 0 0"])
+def test_turns_by_nothing_have_no_rounding(tmp_path: Path, turn: str) -> None:
+    inner = f'<rotate>{turn}</rotate><instance_geometry url="#g0"/>'
+    text = collada([UNIT], "none").decode().replace('<instance_geometry url="#g0"/>', inner)
+    assert load_mockup(save(tmp_path, "unit.dae", text.encode())).source.rounding == of_numbers(UNIT)
+
+
 @pytest.mark.parametrize("angle", ["30.123456", "33.5"])
 def test_turns_of_few_digits_have_their_rounding(tmp_path: Path, angle: str) -> None:
     """An angle of eight digits is off by half a unit in the last one; 33.5 degrees are meant as they are."""

@@ -34,8 +34,9 @@ def local_matrix(document: Document, node: Element, errors: PlacementErrors, abo
 
 def _turn_error(numbers: Numbers) -> float:
     """By how much axis and angle may be off in text, radians."""
-    off = errors_of(numbers)
-    return 2.0 * float(np.linalg.norm(off[:3]) / np.linalg.norm(numbers[:3])) + math.radians(float(off[3]))
+    off, length = errors_of(numbers), float(np.linalg.norm(numbers[:3]))
+    # A turn by 0 may have any axis, also none.
+    return 2.0 * float(np.linalg.norm(off[:3])) / length + math.radians(float(off[3])) if numbers[3] else 0.0
 
 
 def _matrix(numbers: Numbers) -> Matrix:

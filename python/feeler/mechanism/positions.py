@@ -73,8 +73,8 @@ class Positions:
         self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed, self.ignore)
         self.groups = self._grouped()
         self._last: tuple[tuple[tuple[str, float], ...], Scene] | None = None
-        for name in self.names:
-            self.limits(name)  # it raises where those of coupled joints leave no position
+        for coupling in self.couplings:
+            self.limits(coupling.of)  # it raises where those of coupled joints leave no position
 
     def limits(self, name: str) -> tuple[float, float] | None:
         """The limits of a number, those of the numbers coupled with it included; None for none."""
