@@ -12,7 +12,8 @@ from joint_shapes import KINDS, circle, drawn, fault_of, levels, rectangle, ring
 from shapes import Mesh, box, joined, mockup_of
 
 import feeler
-from feeler.errors import JointError, MeshError, OptionError
+from feeler.errors import MeshError, OptionError
+from feeler.mechanism.finding import JointError
 from feeler.mechanism.slipping import matrix_of
 from feeler.mechanism.surfaces import surfaces_of
 

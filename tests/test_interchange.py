@@ -132,6 +132,9 @@ def test_bad_indices_stay_bad_among_several() -> None:
     mockup = feeler.Mockup([bad, good])
     assert mockup.report.defects["index_out_of_range"].count == 2
     assert mockup.report.defects["index_out_of_range"].first == (1, 2)
+    lost = "2 triangles have a vertex that does not exist or is no finite number, and take part in no query"
+    assert mockup.source.doubts == (lost,) and lost in str(mockup.report)
+    assert feeler.Tool(mockup).source.doubts == (lost,) and feeler.Mockup([good]).source.doubts == ()
 
 
 def test_our_own_meshes() -> None:

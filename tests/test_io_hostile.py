@@ -446,6 +446,7 @@ def test_gltf_sparse_accessor_without_data_that_promises_much(tmp_path):
         (("scenes", 0), {"nodes": [12]}, ("nodes[12]",)),
         (("scenes", 0), {"nodes": ["x"]}, ()),
         (("asset",), {"version": "1.0"}, ("glTF 2",)),
+        (("asset",), {"minVersion": "2.1"}, ("a reader of glTF 2.1",)),
         ((), {"extensionsRequired": ["ACME_warp"]}, ("ACME_warp",)),
         ((), {"nodes": {"a": 1}}, ()),
         ((), {"nodes": [5], "scenes": []}, ()),
@@ -461,6 +462,13 @@ def test_damaged_gltf(tmp_path, where, change, words):
         target = target[key]
     target.update(change)
     refuse(save(tmp_path, "a.glb", g.glb()), *words)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"), [("OFF\n4 x 0\n0 0 0\n1 0 0\n", 2), ("OFF\n\nx 4 0\n0 0 0\n", 3), ("OFF\n4\n", 2)]
+)
+def test_counts_of_off_that_are_missing(tmp_path, text, line):
+    refuse(save(tmp_path, "a.off", text), f"line {line}: the numbers of vertices and polygons")
 
 
 def test_gltf_geometry_packed_without_a_fallback(tmp_path):

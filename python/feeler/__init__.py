@@ -47,7 +47,6 @@ if _typing.TYPE_CHECKING:
     from feeler.errors import (
         DeviceError,
         FeelerError,
-        JointError,
         LimitError,
         LoadError,
         MechanismError,
@@ -76,7 +75,7 @@ if _typing.TYPE_CHECKING:
         Tracks,
         load_tracks,
     )
-    from feeler.mechanism.finding import find_joint
+    from feeler.mechanism.finding import JointError, find_joint
     from feeler.mockup import Defect, LoadReport, Mockup, Tool
     from feeler.parts import Part, Parts
     from feeler.plan.blocked import Blocker
@@ -304,7 +303,6 @@ _HOMES = {
     "feeler.errors": (
         "DeviceError",
         "FeelerError",
-        "JointError",
         "LimitError",
         "LoadError",
         "MechanismError",
@@ -341,7 +339,7 @@ _HOMES = {
         "Tracks",
         "load_tracks",
     ),
-    "feeler.mechanism.finding": ("find_joint",),
+    "feeler.mechanism.finding": ("JointError", "find_joint"),
     "feeler.mockup": (
         "Defect",
         "LoadReport",

@@ -35,17 +35,6 @@ class MechanismError(FeelerError, ValueError):
     """A mechanism cannot take a position: a loop cannot close there, or has a dead point on the way."""
 
 
-class JointError(FeelerError, ValueError):
-    """Two groups of parts have no joint: they do not touch, or more is free than one joint has.
-
-    candidates: the motions that are free, each as a `feeler.Joint`.
-    """
-
-    def __init__(self, what: str, candidates: tuple[Any, ...] = ()) -> None:
-        self.candidates = candidates
-        super().__init__(what)
-
-
 class LimitError(FeelerError, MemoryError):
     """The call would need more memory, or more voxels, than allowed. Raised before anything is allocated."""
 

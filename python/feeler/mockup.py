@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, overload
 
@@ -26,8 +26,11 @@ from feeler.poses import PoseLike, placed
 from feeler.saved import opened_again
 from feeler.source import Source
 from feeler.travel import reduced
-from feeler.words import plural
+from feeler.words import counted, plural
 
+_LOST: tuple[DefectKind, ...] = ("index_out_of_range", "non_finite", "too_large")
+"""Defects that take a piece of a surface away."""
+_LOST_FOR = "a vertex that does not exist or is no finite number"
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 VERTEX_LIMIT = 65_535
 """The most vertices of a piece for drawing: its indices have 16 bits."""
@@ -325,7 +328,7 @@ class Mockup(_Attributed, _core.Mockup):
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
             self._keep_attributes(given._part_attributes)
-        self.source = Source() if source is None else source
+        self.source = _with_lost(Source() if source is None else source, self)
         return self
 
     @classmethod
@@ -483,7 +486,7 @@ class Tool(_Attributed, _core.Tool):
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
             self._keep_attributes(given._part_attributes)
-        self.source = Source() if source is None else source
+        self.source = _with_lost(Source() if source is None else source, self)
         return self
 
     @property
@@ -634,6 +637,22 @@ def _mask(parts: Parts, chosen: PartsLike | None) -> list[bool] | None:
 
 def _defects(found: Mapping[DefectKind, tuple[int, Sequence[int]]]) -> dict[DefectKind, Defect]:
     return {kind: Defect(count, tuple(first)) for kind, (count, first) in found.items()}
+
+
+def lost_note(mesh: Mockup | Tool) -> str | None:
+    """What is said of triangles that are missing in all queries, and leave a hole in their part; None if none is."""
+    lost = sum(mesh.defects[kind].count for kind in _LOST)
+    return counted(lost, f"triangles have {_LOST_FOR}, and take part in no query") if lost else None
+
+
+def _with_lost(source: Source, mesh: Mockup | Tool) -> Source:
+    """`source` with that note in place of one on the mesh it was made from. Loaders say it themselves, of files."""
+    note = lost_note(mesh)
+    if source.files or (note is None and not source.doubts):
+        return source
+    told = () if note is None else (note,)
+    others = [tuple(line for line in lines if _LOST_FOR not in line) for lines in (source.notes, source.doubts)]
+    return replace(source, notes=told + others[0], doubts=told + others[1])
 
 
 def _report(mesh: _core.Mockup | _core.Tool, source: Source, parts: int) -> LoadReport:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 import feeler
-from feeler.errors import JointError, OptionError
+from feeler.errors import OptionError
+from feeler.mechanism.finding import JointError
 from feeler.progress import bar
 from feeler.words import plural
 

@@ -76,6 +76,9 @@ class Document:
         version = str(root["asset"].get("version"))
         if not version.startswith("2"):
             raise self.fail(f"this is glTF {version[:10]}, and only glTF 2 is read; convert it", damaged=False)
+        needed = root["asset"].get("minVersion", "2.0")
+        if needed != "2.0":
+            raise self.fail(f"it needs a reader of glTF {needed!s:.10}; 2.0 is read: convert it", damaged=False)
         self.required = self._check_extensions()
         self._buffers: dict[int, memoryview] = {}
         self._unpacked: dict[int, memoryview] = {}

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.arguments import check_number, check_progress, check_text
-from feeler.choices import DefectKind, UnitName, UpAxis
+from feeler.choices import UnitName, UpAxis
 from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
 from feeler.io import axes
 from feeler.io.cache import Cache
@@ -28,7 +28,7 @@ from feeler.io.sniff import identify
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE, FINEST_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
 from feeler.memory import free_memory
-from feeler.mockup import Mockup, Tool
+from feeler.mockup import Mockup, Tool, lost_note
 from feeler.progress import Progress
 from feeler.saved import MAGIC, opened
 from feeler.source import Source
@@ -38,11 +38,6 @@ DEFAULT_UNIT = "mm"
 """The unit of files that do not state one (STL, OBJ, PLY, OFF), unless `unit=` is given."""
 
 _FAILURES_SHOWN = 20
-_LOST: tuple[DefectKind, ...] = (
-    "index_out_of_range",
-    "non_finite",
-    "too_large",
-)  # defects that take a piece of a surface away
 
 
 def load_mockup(
@@ -234,13 +229,8 @@ class _Loaded:
         lower, upper = mesh.bounds
         if note := size_note(float(np.max(upper - lower)), [piece.unit for piece in self.pieces]):
             doubts.append(note + self._culprits(mesh, float(np.max(upper - lower))))
-        if lost := sum(mesh.report.defects[kind].count for kind in _LOST):
-            doubts.append(
-                counted(
-                    lost, "triangles have a vertex that does not exist or is no finite number, and take part in no "
-                )
-                + "query: export the file again"
-            )
+        if lost := lost_note(mesh):
+            doubts.append(f"{lost}: export the file again")
         return Source(
             tuple(str(piece.file.path) for piece in self.pieces),
             ", ".join(dict.fromkeys(piece.format for piece in self.pieces)),

@@ -104,6 +104,7 @@ def _read_header(path: Path, data: bytes) -> _Header:
     elif not _WHOLE_NUMBER.fullmatch(first):
         raise LoadError(f"{path}, line 1: an OFF file starts with 'OFF'; this one is something else")
     if len(words) < 2 or not all(_WHOLE_NUMBER.fullmatch(word) for word, *_ in words[:2]):
+        line = next((at for word, at, _ in words[:2] if not _WHOLE_NUMBER.fullmatch(word)), line)
         raise LoadError(f"{path}, line {line}: the numbers of vertices and polygons are missing")
     vertices, faces = int(words[0][0][:30]), int(words[1][0][:30])
     # The shortest vertex is "0 0 0" and the shortest polygon "0", which allows checking a count before using it.

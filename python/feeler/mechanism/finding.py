@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.arguments import check_text
-from feeler.errors import JointError, MeshError, OptionError
+from feeler.errors import FeelerError, MeshError, OptionError
 from feeler.mechanism.axial import axial_play
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.slipping import (
@@ -66,6 +66,17 @@ MOST_AXES = 16
 MOST_TRIANGLES = 4_000_000
 
 _STOPPED = "other faces, far from the axis, stop it both ways where it stands"
+
+
+class JointError(FeelerError, ValueError):
+    """Two groups of parts have no joint: they do not touch, or more is free than one joint has.
+
+    candidates: the motions that are free, each as a `feeler.Joint`.
+    """
+
+    def __init__(self, what: str, candidates: tuple[Joint, ...] = ()) -> None:
+        self.candidates = candidates
+        super().__init__(what)
 
 
 @dataclass(frozen=True, eq=False)
