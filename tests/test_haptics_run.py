@@ -256,8 +256,11 @@ def test_devices_that_are_not_there_say_what_to_do() -> None:
         open_device("dhd", library="/nowhere/libdhd.so")
     with pytest.raises(OptionError, match="no option colour"):
         open_device("haply", colour="red")
-    with pytest.raises(OptionError, match="force_n"):
-        open_device("haply", force_n="strong")
+    for no_number in ("strong", True, [1.0, 2.0], 1j):
+        with pytest.raises(OptionError, match="^force_n is .*: give newtons, 0 to 1000"):
+            open_device("haply", force_n=no_number)
+    with pytest.raises(OptionError, match="^address is 7: give a text"):
+        open_device("haply", address=7)
     assert issubclass(DeviceError, FeelerError) and feeler.DeviceError is DeviceError
 
 
@@ -273,8 +276,9 @@ def test_devices_that_are_not_there_say_what_to_do() -> None:
         ("openhaptics", "stiffness_n_per_m", [-5.0, 0.0, np.nan, np.inf, 1e9]),
         *(
             ("spacemouse", option, [-1.0, 0.0, np.nan, np.inf, 1e9])
-            for option in ("speed_m_per_s", "turn_rad_per_s", "full_deflection_counts", "reach_m", "silence_s")
+            for option in ("speed_m_per_s", "turn_rad_per_s", "full_deflection_counts", "reach_m")
         ),
+        ("spacemouse", "silence_s", [-1.0, 0.0, np.nan]),
         ("spacemouse", "dead_zone", [-0.1, 1.0, np.nan, np.inf]),
     ],
 )

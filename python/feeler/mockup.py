@@ -328,7 +328,8 @@ class Mockup(_Attributed, _core.Mockup):
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
             self._keep_attributes(given._part_attributes)
-        self.source = _with_lost(Source() if source is None else source, self)
+        self.source = Source() if source is None else source
+        self.source = _with_lost(self.source, self)
         return self
 
     @classmethod
@@ -486,7 +487,8 @@ class Tool(_Attributed, _core.Tool):
             self.part_attributes = part_attributes
         elif isinstance(given, _Attributed):
             self._keep_attributes(given._part_attributes)
-        self.source = _with_lost(Source() if source is None else source, self)
+        self.source = Source() if source is None else source
+        self.source = _with_lost(self.source, self)
         return self
 
     @property

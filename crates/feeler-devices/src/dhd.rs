@@ -18,6 +18,7 @@ use crate::constants::{DHD_HZ, FORCE_DIMENSION};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::figures::{of_force_dimension, Said, FALCON};
 use crate::machine::{raise_priority, MonotonicClock};
+use crate::numbers::check;
 use crate::vendor_library::dhd_calls::{DhdModel, OpenDhd};
 
 /// Which library, and limits.
@@ -52,6 +53,11 @@ impl Dhd {
     /// Loads the library, opens the first free device, and waits for its first pose. Errors with advice if there is no
     /// library or no device.
     pub fn open(options: &DhdOptions) -> Result<Dhd, DeviceError> {
+        check([
+            ("force_n", options.force_n),
+            ("torque_nm", options.torque_nm),
+            ("stiffness_n_per_m", options.stiffness_n_per_m),
+        ])?;
         let open = OpenDhd::open(options.library.as_deref())?;
         let model = open.model();
         let (mut servo, end) = exchange(info(options, &model));

@@ -29,6 +29,7 @@ mod exchange;
 mod figures;
 pub mod haply;
 pub mod machine;
+mod numbers;
 mod open;
 pub mod openhaptics;
 #[cfg_attr(not(unix), allow(dead_code, reason = "the daemon's messages are tested everywhere, but read on Unix only"))]
@@ -39,6 +40,7 @@ mod vendor_library;
 mod tests;
 
 pub use figures::{Figures, FIGURES};
+pub use numbers::option_range;
 pub use open::{open, Options, DRIVERS};
 
 #[cfg(doctest)]

@@ -18,6 +18,7 @@ use feeler_haptics::{Twist, Wrench};
 use crate::clip::{told_pose, told_twist};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::figures::{of_3d_systems, Figures, Said};
+use crate::numbers::check;
 use crate::vendor_library::hd_calls::{HdDoubles, OpenHd, Scheduled};
 
 /// Buttons of the API: the stylus has two, other handles up to four.
@@ -59,6 +60,7 @@ impl OpenHaptics {
     /// Loads the library, initialises the device, and waits for its first pose. Errors with advice if there is no
     /// library or no device.
     pub fn open(options: &OpenHapticsOptions) -> Result<OpenHaptics, DeviceError> {
+        check([("force_n", options.force_n), ("stiffness_n_per_m", options.stiffness_n_per_m)])?;
         let open = Arc::new(OpenHd::open(options.library.as_deref(), options.device.as_deref())?);
         let (info, centre) = info(options, &open);
         let (servo, end) = exchange(info);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use feeler_devices::Options;
+use feeler_devices::{option_range, Options};
 use feeler_haptics::device::faulty::{Fault, Faulty};
 use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::mouse::Mouse;
@@ -12,7 +12,7 @@ use feeler_haptics::device::steered::{steered, Steering};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, Freedoms};
 use feeler_haptics::Coupling;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict};
 
 use crate::arguments::{PoseArgument, PosesArgument};
 use crate::errors::raise;
@@ -32,7 +32,8 @@ pub struct HapticsDevice {
 
 /// The Python exception for a device that does not answer.
 pub fn device_to_py(error: DeviceError) -> PyErr {
-    raise("DeviceError", error.to_string())
+    let class = if matches!(error, DeviceError::Option { .. }) { "OptionError" } else { "DeviceError" };
+    raise(class, error.to_string())
 }
 
 fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -93,9 +94,15 @@ where
 {
     let Some(value) = options.get_item(name)? else { return Ok(()) };
     options.del_item(name)?;
+    let range = option_range(name);
+    // Python's truths are numbers, and no lengths, forces or speeds.
+    let is_truth = value.is_instance_of::<PyBool>();
     match value.extract() {
-        Ok(value) => *to = value,
-        Err(_) => return Err(raise("OptionError", format!("option {name} of the device is {}", value.repr()?))),
+        Ok(value) if !(is_truth && range.is_some()) => *to = value,
+        _ => {
+            let what = format!("{name} is {}: give {}", value.repr()?, range.unwrap_or("a text"));
+            return Err(raise("OptionError", what));
+        }
     }
     Ok(())
 }

@@ -21,6 +21,7 @@ use crate::constants::{
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::figures::{Figures, Said, INVERSE3, MINVERSE};
 use crate::machine::raise_priority;
+use crate::numbers::check;
 
 fn not_found(why: String) -> DeviceError {
     DeviceError::NotFound { device: INVERSE3_NAME.to_string(), why }
@@ -28,6 +29,7 @@ fn not_found(why: String) -> DeviceError {
 
 /// Connects, asks who is there, and starts the thread.
 pub(super) fn start(options: &HaplyOptions) -> Result<ServoEnd, DeviceError> {
+    check([("force_n", options.force_n), ("stiffness_n_per_m", options.stiffness_n_per_m)])?;
     let mut socket = connect(&options.address)?;
     let first = first_state(&mut socket)?;
     let Some(device) = first.device(options.device_id.as_deref()) else {
@@ -68,8 +70,7 @@ pub(super) fn start(options: &HaplyOptions) -> Result<ServoEnd, DeviceError> {
 fn info(options: &HaplyOptions, id: &str, is_minverse: bool, has_grip: bool) -> DeviceInfo {
     let figures = if is_minverse { MINVERSE } else { INVERSE3 };
     // A user may ask for the maker's peak, although it cannot be held.
-    let force_n =
-        options.force_n.filter(|force| *force >= 0.0).map_or(figures.force_n, |force| force.min(2.0 * figures.force_n));
+    let force_n = options.force_n.map_or(figures.force_n, |force| force.min(2.0 * figures.force_n));
     let said = Said { stiffness_n_per_m: options.stiffness_n_per_m, ..Said::default() };
     let info = Figures { force_n, ..figures }.info(format!("{INVERSE3_NAME} {id}"), has_grip, false, &said);
     info.with_buttons(if has_grip { GRIP_BUTTONS } else { 0 })

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use feeler_haptics::device::{DeviceError, DeviceInfo, DeviceLimits, Freedoms};
 
 use crate::constants::{FULL_DEFLECTION_COUNTS, SPACEMOUSE, SPACEMOUSE_HZ};
+use crate::numbers::check;
 
 /// How the cap moves the pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +19,7 @@ pub struct SpaceMouseOptions {
     pub turn_rad_per_s: f64,
     /// Counts from the daemon at full deflection.
     pub full_deflection_counts: f64,
-    /// Part of full deflection that counts as rest, from 0 to below 1, beside the daemon's own dead zone. Motion beyond
+    /// Part of full deflection that counts as rest, from 0 to 0.99, beside the daemon's own dead zone. Motion beyond
     /// it begins at 0.
     pub dead_zone: f64,
     /// How far from its beginning the pose may go along each axis, metres.
@@ -55,21 +56,14 @@ impl SpaceMouseOptions {
 
 impl SpaceMouseOptions {
     pub(super) fn check(&self) -> Result<(), DeviceError> {
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        let checks = [
-            ("speed_m_per_s", self.speed_m_per_s, positive(self.speed_m_per_s), "above 0"),
-            ("turn_rad_per_s", self.turn_rad_per_s, positive(self.turn_rad_per_s), "above 0"),
-            ("full_deflection_counts", self.full_deflection_counts, positive(self.full_deflection_counts), "above 0"),
-            ("dead_zone", self.dead_zone, (0.0..1.0).contains(&self.dead_zone), "from 0 to below 1"),
-            ("reach_m", self.reach_m, positive(self.reach_m), "above 0"),
-            ("silence_s", self.silence_s, self.silence_s > 0.0, "above 0"),
-        ];
-        match checks.iter().find(|(_, _, is_good, _)| !is_good) {
-            Some((name, value, _, what)) => {
-                Err(not_found(format!("option {name} is {value}; it must be a number {what}")))
-            }
-            None => Ok(()),
-        }
+        check([
+            ("speed_m_per_s", Some(self.speed_m_per_s)),
+            ("turn_rad_per_s", Some(self.turn_rad_per_s)),
+            ("full_deflection_counts", Some(self.full_deflection_counts)),
+            ("dead_zone", Some(self.dead_zone)),
+            ("reach_m", Some(self.reach_m)),
+            ("silence_s", Some(self.silence_s)),
+        ])
     }
 
     pub(super) fn info(&self, protocol: u8, buttons: u32) -> DeviceInfo {

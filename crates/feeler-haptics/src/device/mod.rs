@@ -212,6 +212,16 @@ pub enum DeviceError {
         /// The attempts, and the remedy.
         why: String,
     },
+    /// An option of its driver is out of its range.
+    #[error("{name} is {value}: give {range}")]
+    Option {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range, in words.
+        range: &'static str,
+    },
     /// The connection is lost.
     #[error("{device} does not answer any more: {why}")]
     Lost {
