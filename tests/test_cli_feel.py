@@ -88,7 +88,7 @@ def test_parts_of_the_mock_up_can_be_the_tool(files: tuple[Path, Path], tmp_path
         (["--device", "dhd", "--device-option", "colour=red"], "no option colour"),
         (["--device", "haply", "--device-option", "device_id=7", "--device-option", "address=127.0.0.1:1"], "Inverse"),
         (["--device", "dhd", "--device-option", "force_n=strong"], "force_n"),
-        (["--device", "haply", "--device-option", "force_n=nan"], "force_n is nan: give newtons, 0 to 1000"),
+        (["--device", "haply", "--device-option", "force_n=nan"], "force_n is NaN: give newtons, 0 to 1000"),
         (["--device", "dhd", "--device-option", "library=/nowhere/libdhd.so"], "/nowhere/libdhd.so"),
     ],
 )

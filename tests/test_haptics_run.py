@@ -257,9 +257,9 @@ def test_devices_that_are_not_there_say_what_to_do() -> None:
     with pytest.raises(OptionError, match="no option colour"):
         open_device("haply", colour="red")
     for no_number in ("strong", True, [1.0, 2.0], 1j):
-        with pytest.raises(OptionError, match="^force_n is .*: give newtons, 0 to 1000"):
+        with pytest.raises(OptionError, match=r"^force_n is .*: give newtons, 0 to 1000"):
             open_device("haply", force_n=no_number)
-    with pytest.raises(OptionError, match="^address is 7: give a text"):
+    with pytest.raises(OptionError, match=r"^address is 7: give a text"):
         open_device("haply", address=7)
     assert issubclass(DeviceError, FeelerError) and feeler.DeviceError is DeviceError
 

@@ -283,7 +283,8 @@ asked = sum(
 print(asked * 1024, sum(scene.memory().values()))
 """
     asked, held = map(int, subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout.split())
-    assert asked > 0.5 * held > 4e6
+    # Which arrays share a mapping depends on when threads ask for memory.
+    assert asked > 0.4 * held > 4e6
 
 
 def test_hashing_saves_what_it_says(mockup: feeler.Mockup) -> None:

@@ -63,7 +63,7 @@ INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool", "sav
 QUERY_BASE = {*INDEX_BASE, "index", "scratch_pool"}
 CONTACTS_BASE = {"constants", "surface", "context", "containers", "contact_plane"}
 HAPTICS_BASE = {"constants", "error"}
-DEVICES_BASE = {"constants", "clip", "exchange", "figures", "machine"}
+DEVICES_BASE = {"constants", "clip", "exchange", "figures", "machine", "numbers"}
 RUST_ROOMS: dict[str, dict[str, set[str]]] = {
     "feeler-core": {
         "constants": set(),
@@ -198,10 +198,11 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "clip": {"constants"},
         "exchange": {"constants", "clip"},
         "figures": {"constants", "clip"},
+        "numbers": set(),
         # All unsafe code of the crate.
         "vendor_library": {"constants"},
         # No driver knows of another.
-        "spacemouse": {"constants", "clip"},
+        "spacemouse": {"constants", "clip", "numbers"},
         "haply": DEVICES_BASE,
         "dhd": {*DEVICES_BASE, "vendor_library"},
         "openhaptics": {*DEVICES_BASE, "vendor_library"},
