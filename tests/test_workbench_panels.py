@@ -613,4 +613,20 @@ def test_the_keyboard_alone_takes_a_part_out(context: Any, stand: Path) -> None:
             keys.press("Control+z")
             wait(page, "before => JSON.stringify(window.feeler.document) !== before", depth)
         assert document(page)["moved"] == {} and document(page)["out"] == []
+        # A movement has its keys in the tree, too, whose Enter otherwise selects.
+        keys.press("/")
+        keys.type("pump")
+        keys.press("Enter")
+        wait(page, "() => document.querySelectorAll('[role=treeitem][aria-selected=true]').length > 0")
+        page.locator("[role=treeitem][aria-selected=true]").first.focus()
+        keys.press("e")
+        wait(page, "() => window.feeler.document.gripped.length === 1 && window.feeler.pose !== null")
+        while "Move in the view" not in page.inner_text("body"):
+            keys.press("g")
+        for key in ("z", "2", "0", "0", "Enter"):
+            keys.press(key)
+        wait(page, "z => Math.abs(window.feeler.document.pose[11] - z) < 1e-6", start + 0.2)
+        wait(page, "() => !document.body.innerText.includes('Move along')")
+        assert page.evaluate("() => document.activeElement.getAttribute('role')") == "treeitem"
+        keys.press("Escape")
         assert troubles(page) == []

@@ -61,8 +61,22 @@ function focusOf(target: EventTarget | null): Focus {
     : "picture";
 }
 
+/** Whether an element keeps its keys during a movement: a field, and whatever lies over the page. */
+const isOfCover = (target: EventTarget | null): boolean =>
+  focusOf(target) === "text" ||
+  (target instanceof HTMLElement && target.closest("dialog, [role=dialog], [role=menu], [role=listbox]") !== null);
+
 /** Listens to the keys of the whole page; the function returned ends it. */
 export function listenToKeys(wb: Workbench): () => void {
+  // A movement has its keys wherever the focus is, also in a tree with keys of its own: it is asked first.
+  const onTyping = (event: KeyboardEvent): void => {
+    if (event.isComposing || wb.store.typed.peek() === null || isOfCover(event.target)) return;
+    const id = commandOfKey(keyOf(event), true);
+    const has_modifier = event.ctrlKey || event.altKey || event.metaKey;
+    if (!(!has_modifier && typeFigure(wb, event.key)) && !(id && runCommand(wb, id))) return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
   const onKey = (event: KeyboardEvent): void => {
     if (event.defaultPrevented || event.isComposing) return;
     const { store } = wb;
@@ -75,17 +89,6 @@ export function listenToKeys(wb: Workbench): () => void {
     }
     // A dialog is modal: only Esc and its own keys reach it.
     if (store.dialog.peek() && key !== "Escape") return;
-    if (
-      is_typing &&
-      focus !== "text" &&
-      !event.ctrlKey &&
-      !event.altKey &&
-      !event.metaKey &&
-      typeFigure(wb, event.key)
-    ) {
-      event.preventDefault();
-      return;
-    }
     if (!is_typing && !isForCommands(key, focus, store.settings.peek().has_single_keys)) return;
     if (is_typing && focus === "text") return;
     const id = commandOfKey(key, is_typing);
@@ -93,6 +96,10 @@ export function listenToKeys(wb: Workbench): () => void {
     // The browser's own search and bookmarks would cover the page's, even while they cannot run.
     else if (id && /^Ctrl\+[FBJKO]$/.test(key)) event.preventDefault();
   };
+  window.addEventListener("keydown", onTyping, { capture: true });
   window.addEventListener("keydown", onKey);
-  return () => window.removeEventListener("keydown", onKey);
+  return () => {
+    window.removeEventListener("keydown", onTyping, { capture: true });
+    window.removeEventListener("keydown", onKey);
+  };
 }
