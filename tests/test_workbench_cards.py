@@ -118,6 +118,9 @@ def test_what_holds_a_part_is_named_and_can_be_left_out() -> None:
     assert {each["part"] for each in answer["blockers"]} == {WALLS, LID} and answer["ways"] == []
     card, answer = asked(bench, "removal", parts="block", without="lid")
     assert card.is_good and card.setting == "without lid"
+    with pytest.raises(WorkbenchError, match="was asked without lid"):
+        bench.command("way_take", id=card.id)
+    assert bench.session.current.out == () and bench.session.current.sequence == ()
     # The lid was left out for that question alone.
     assert asked(bench, "removal", parts="block", seconds=2.0)[0].is_good is False
 
@@ -249,9 +252,11 @@ def test_which_of_several_tools_reach_fasteners() -> None:
 
 def test_an_answer_is_about_the_mock_up_as_it_stands() -> None:
     bench = Bench(mockup=chest())
-    lid, _ = asked(bench, "removal", parts="lid")
+    lid, before = asked(bench, "removal", parts="lid")
     bench.command("way_take", id=lid.id)
     assert LID in bench.session.current.out
+    # Its film begins where the lid lay then, not where it was laid.
+    assert bench.session.ask("card", {"id": lid.id}) == before and before["ways"][0]["places"] == {}
     block, _ = asked(bench, "removal", parts="block")
     assert block.is_good and block.setting == "1 part out"
     stale = {card["id"]: card["is_stale"] for card in bench.document["cards"]}

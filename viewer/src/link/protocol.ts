@@ -544,9 +544,9 @@ export interface FoundWay extends GivenWay {
   readonly gaps: readonly Gap[];
 }
 
-/** The same; of a removal in the sequence also where parts lie when it begins, and where it does not hold. */
+/** The same, with where parts lie when it begins; of a removal in the sequence also where it does not hold. */
 export interface WayFacts extends FoundWay {
-  /** Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now. */
+  /** Part id -> world_from_part, of parts that are not where they were loaded. */
   readonly places?: Readonly<Record<string, Pose>>;
   readonly hit?: WayHit;
 }
@@ -1554,7 +1554,7 @@ export interface Questions {
   readonly part: { readonly args: { readonly part: Selection }; readonly answer: PartFacts };
   /** The parts that a search finds, by words of paths and by attributes: see `Parts.search`. */
   readonly find: { readonly args: { readonly query: string }; readonly answer: FoundParts };
-  /** The whole answer of a card. */
+  /** The whole answer of a card. Its ways begin where the parts lay when it was asked, also once they were taken. */
   readonly card: { readonly args: { readonly id: number }; readonly answer: CardAnswer };
   /** The tool of a step of a task in its seat; None: the step has none. */
   readonly task_tool: {

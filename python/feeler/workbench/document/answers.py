@@ -184,10 +184,10 @@ class FoundWay(GivenWay):
 
 
 class WayFacts(FoundWay, total=False):
-    """The same; of a removal in the sequence also where parts lie when it begins, and where it does not hold."""
+    """The same, with where parts lie when it begins; of a removal in the sequence also where it does not hold."""
 
     places: dict[str, Pose]
-    """Part id -> world_from_part, of parts that are not where they were loaded; absent: they lie where they do now."""
+    """Part id -> world_from_part, of parts that are not where they were loaded."""
     hit: WayHit
 
 

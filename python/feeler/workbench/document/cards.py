@@ -190,7 +190,7 @@ def way_take(document: Document, given: Arguments, known: Known) -> Document:
         ways = known.ways.get(card.id, ()) if card.line is None else ()
         if not ways:
             raise given.fail("id", "this card has no way", "ask how the parts come out")
-        ways = _ways_left(document, card, ways, given)
+        ways = _ways_left(document, card, ways, given, known)
     if given.has("steps"):
         ways = ways[: given.whole("steps", 1, len(ways))]
     for way in ways:
@@ -198,9 +198,19 @@ def way_take(document: Document, given: Arguments, known: Known) -> Document:
     return replace(document, pose=known.pose)
 
 
-def _ways_left(document: Document, card: Card, ways: tuple[Way, ...], given: Arguments) -> tuple[Way, ...]:
-    """The ways that were not taken yet. Raises `WorkbenchError` if anything else was moved since it was asked."""
+def _ways_left(
+    document: Document, card: Card, ways: tuple[Way, ...], given: Arguments, known: Known
+) -> tuple[Way, ...]:
+    """The ways that were not taken yet. Raises `WorkbenchError` if anything else was moved since it was asked, or parts
+    that were left out for the question are there."""
     taken = [way for way in ways if all(part in document.out for part in way.parts)]
+    there = [part for part in card.without if part not in document.out and part not in known.absent]
+    if there:
+        raise given.fail(
+            "id",
+            f"this was asked without {named(tuple(there), known)}",
+            "take that out first, and ask again",
+        )
     moved, gripped = card.world
     expected = {**dict(moved), **{part: document.moved.get(part) for way in taken for part in way.parts}}
     if taken == [*ways]:

@@ -40,7 +40,7 @@ from feeler.workbench.document.arguments import Arguments, Maybe, Shape
 from feeler.workbench.document.commands import MEASURED, camera_of
 from feeler.workbench.document.document import Card, Document, active_planes, plain
 from feeler.workbench.document.joints import is_at, loose
-from feeler.workbench.document.protocol import Camera, MeasureType, Selection, Vec3
+from feeler.workbench.document.protocol import Camera, MeasureType, Pose, Selection, Vec3
 from feeler.workbench.document.protocol_findings import FindingFormat
 from feeler.workbench.engine import measuring
 from feeler.workbench.engine.geometry import Geometry, HeldGeometry
@@ -168,8 +168,13 @@ def find(place: Place, given: Arguments) -> FoundParts:
 
 
 def card(place: Place, given: Arguments) -> CardAnswer:
-    """The whole answer of a card."""
-    return place.cards(given.whole("id"))
+    """The whole answer of a card. Its ways begin where the parts lay when it was asked, also once they were taken."""
+    answer = place.cards(given.whole("id"))
+    asked = card_of(place.document, answer["id"])
+    if asked is None or asked.line is not None:
+        return answer
+    places: dict[str, Pose] = {str(part): list(at) for part, at in asked.world[0]}
+    return {**answer, "ways": [{**way, "places": places} for way in answer["ways"]]}
 
 
 def task_tool(place: Place, given: Arguments) -> ToolGhost | None:
