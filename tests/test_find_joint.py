@@ -301,3 +301,23 @@ def test_bolts_beside_each_other_leave_no_joint() -> None:
     other = [(points + np.array([9.0, 0.0, 0.0]), faces) for points, faces in (bolt, plate)]
     with pytest.raises(JointError, match="free in 3 ways"):
         found([bolt, other[0]], [plate, other[1]])
+
+
+@pytest.mark.parametrize("how", ["noise", "rounded"])
+@pytest.mark.parametrize("is_left", [False, True])
+def test_the_pitch_of_a_ragged_thread(how: str, is_left: bool) -> None:
+    """Their facets lean too little; edges that are rounded all alike agree on a wrong pitch."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        pitch, depth = rng.uniform(0.2, 0.5), rng.uniform(0.4, 0.6)
+        line = np.array([[1.0 - depth * pitch, 0.0], [1.0 - depth * pitch, 0.1], [1.0, 0.5], [1.0, 0.6]]) * [1, pitch]
+        turns, sides = rng.uniform(4.0, 8.0), rng.integers(16, 48, 2).tolist()
+        shapes = {
+            "screw": drawn_joints.thread(line, pitch, turns + 2.0, sides[0], True, -math.tau),
+            "nut": drawn_joints.thread(line + np.array([0.01, 0.0]), pitch, turns, sides[1], False),
+        }
+        for name, (points, faces) in shapes.items():
+            points = np.round(points, 3) if how == "rounded" else points + rng.normal(size=points.shape) * 2e-4
+            shapes[name] = (points * [1, -1, 1], faces[:, ::-1].copy()) if is_left else (points, faces)
+        joint = feeler.find_joint(mockup_of(shapes), "nut", "screw")
+        assert joint.kind == "screw" and joint.pitch == pytest.approx(-pitch if is_left else pitch, rel=0.005)

@@ -25,6 +25,7 @@ from feeler.mechanism.slipping import (
     stopped,
     taper_of,
     turn,
+    waving_of,
     way_of,
     winding_of,
 )
@@ -364,6 +365,8 @@ class _Search:
             pitch = pitch_of(t, axis.direction, axis.point)
             if pitch is None or abs(pitch) < 1e-6 * self.size or abs(pitch) > self.size:
                 continue
+            corners = [self.child.corners, self.parent.corners]
+            pitch = waving_of(corners, t, axis.direction, axis.point, pitch)
             pitch = winding_of(self.child.corners, axis.direction, axis.point, pitch)
             way = way_of(t, turn(t, axis.direction, axis.point, pitch), TURN_PLAY_RAD)
             sliding = way_of(t, np.broadcast_to(axis.direction, t.points.shape), self.travel)
