@@ -110,6 +110,7 @@ class Guarded:
         self.tool, self.around = tool, around
         self._guard = GuardedMove(World(around, []), tool, pose)
         kinds = [seat.kind for seat in self._guard.seats()]
+        self._is_seated = bool(kinds)
         self.kind: MechanismSeatKind = kinds[0] if kinds else "touching"
 
     def meets(self, pose: Floats, way: Chain) -> Met | None:
@@ -118,8 +119,8 @@ class Guarded:
         return None if ended.impact is None else (share, ended.impact.point, ended.impact.normal)
 
     def is_apart(self, pose: Floats) -> bool:
-        """Whether the parts are off each other at a pose."""
-        return not math.isfinite(self.around.distance(self.tool, pose, TOUCH_M).value)
+        """Whether the parts are off each other at a pose; never where the same surfaces are asked all along."""
+        return self._is_seated and not math.isfinite(self.around.distance(self.tool, pose, TOUCH_M).value)
 
 
 @dataclass(eq=False)
