@@ -218,8 +218,10 @@ def _sliding(mesh: Mesh, its: Mesh, around: Scene, axis: Floats) -> tuple[Mechan
     if deep == -math.inf:
         return None
     guarded = Guarded(Tool(vertices, mesh[1]), around, np.eye(4))
-    if guarded.kind == "sunk":
-        return None
+    if guarded.kind != "touching":  # walls narrower than they move cross each other
+        whole = Guarded(Tool(*mesh), around, np.eye(4))
+        if guarded.kind == "sunk" or whole.kind != "sunk":
+            return whole.kind, whole
     return ("fit" if guarded.kind == "touching" and deep > TOUCH_M else guarded.kind), guarded
 
 
