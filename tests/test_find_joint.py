@@ -256,3 +256,69 @@ def test_edges_over_the_crest_of_a_thread_give_no_pitch(sides: int) -> None:
     shapes = {"nut": grid_of_thread(sides, 3, True), "screw": grid_of_thread(24, 8, False)}
     found = feeler.find_joint(mockup_of(shapes), "nut", "screw")
     assert found.kind == "screw" and found.pitch == pytest.approx(0.02, rel=0.01)
+
+
+def drawn_wide(core: float, gap: float, seed: int, has_head: bool = True, is_nut: bool = False) -> tuple[Mesh, Mesh]:
+    """A bolt of radius 1 in a plate, or in a nut, with a hole of `core`; its head is off the plate by `gap`."""
+    rng, (n, m) = shown(seed), np.random.default_rng(seed).integers(16, 96, 2).tolist()
+    shank, head = circle(1.0, n), circle(1.9, 6) if has_head else circle(1.0, n)
+    low, high, long = -0.7, 2.0 + gap, 2.0 if not is_nut else 1.6
+    bolt = joined(
+        walls(shank, np.array([low, high]), True, rng),
+        drawn_joints.cap(shank, low, False),
+        ring(head, shank, high, False) if has_head else walls(shank, np.array([high, high + 1.0]), True, rng),
+        *([walls(head, np.array([high, high + 1.0]), True, rng)] if has_head else []),
+        drawn_joints.cap(head, high + 1.0, True),
+    )
+    return bolt, sleeve(circle(1.9, 6) if is_nut else rectangle(4.0, 5.0), circle(core, m), 0.0, long, rng)
+
+
+@pytest.mark.parametrize("core", [0.74, 0.8, 0.86])
+def test_a_bolt_as_wide_as_its_thread_is_found_in_a_hole_as_wide_as_its_core(core: float) -> None:
+    for seed in range(3):
+        bolt, plate = drawn_wide(core, 0.0, seed)
+        for sides in ((bolt, plate), (plate, bolt)):
+            joint = found(sides[:1], sides[1:])
+            assert joint.kind is feeler.JointKind.REVOLUTE
+            assert "a thread drawn as wide as the bolt" in joint.because and "a shoulder at one end" in joint.because
+            assert np.allclose(np.abs(joint.axis), (0, 0, 1), atol=1e-6) and np.allclose(joint.point[:2], 0, atol=1e-6)
+        off, nut = drawn_wide(core, 0.5, seed), drawn_wide(core, 0.5, seed, has_head=False, is_nut=True)
+        for child, parent in (off, nut):
+            joint = found([child], [parent])
+            assert joint.kind is feeler.JointKind.CYLINDRICAL and "in a hole as wide as its core" in joint.because
+
+
+def test_a_pin_in_a_hole_that_is_too_narrow_is_no_thread() -> None:
+    """Nothing says that it is a bolt: it has no head, and a ring around it is no nut."""
+    pin, plate = drawn_wide(0.8, 0.0, 1, has_head=False)
+    bush = sleeve(circle(1.5, 40), circle(0.8, 40), 0.0, 1.6, shown())
+    for parent in (plate, bush):
+        with pytest.raises(JointError, match="a pin in a hole that is too narrow"):
+            found([pin], [parent])
+
+
+def test_bolts_beside_each_other_leave_no_joint() -> None:
+    bolt, plate = drawn_wide(0.8, 0.0, 2)
+    other = [(points + np.array([9.0, 0.0, 0.0]), faces) for points, faces in (bolt, plate)]
+    with pytest.raises(JointError, match="free in 3 ways"):
+        found([bolt, other[0]], [plate, other[1]])
+
+
+@pytest.mark.parametrize("how", ["noise", "rounded"])
+@pytest.mark.parametrize("is_left", [False, True])
+def test_the_pitch_of_a_ragged_thread(how: str, is_left: bool) -> None:
+    """Their facets lean too little; edges that are rounded all alike agree on a wrong pitch."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        pitch, depth = rng.uniform(0.2, 0.5), rng.uniform(0.4, 0.6)
+        line = np.array([[1.0 - depth * pitch, 0.0], [1.0 - depth * pitch, 0.1], [1.0, 0.5], [1.0, 0.6]]) * [1, pitch]
+        turns, sides = rng.uniform(4.0, 8.0), rng.integers(16, 48, 2).tolist()
+        shapes = {
+            "screw": drawn_joints.thread(line, pitch, turns + 2.0, sides[0], True, -math.tau),
+            "nut": drawn_joints.thread(line + np.array([0.01, 0.0]), pitch, turns, sides[1], False),
+        }
+        for name, (points, faces) in shapes.items():
+            points = np.round(points, 3) if how == "rounded" else points + rng.normal(size=points.shape) * 2e-4
+            shapes[name] = (points * [1, -1, 1], faces[:, ::-1].copy()) if is_left else (points, faces)
+        joint = feeler.find_joint(mockup_of(shapes), "nut", "screw")
+        assert joint.kind == "screw" and joint.pitch == pytest.approx(-pitch if is_left else pitch, rel=0.005)

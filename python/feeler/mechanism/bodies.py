@@ -90,12 +90,7 @@ class Bodies:
     def turn_between(self, one: int, other: int) -> Turn | None:
         """The axis about which two links turn against each other, by a joint of the tree or of a loop, or by several
         about one axis, such as two shafts in each other that a third part carries."""
-        up, down = self.links.between(one, other)
-        joints = [self.links.links[number].joint for number in (*up, *down)]
-        joints = [joint for joint in joints if joint.kind is not JointKind.FIXED]
-        loop = self._loops.get(frozenset((one, other)))
-        if loop is not None:
-            joints = [loop]
+        joints = self._joints_between(one, other)
         if not joints or any(joint.kind in (JointKind.PRISMATIC, JointKind.FIXED) for joint in joints):
             return None
         axis, point = np.array(joints[0].axis), np.array(joints[0].point)
@@ -104,6 +99,24 @@ class Bodies:
             if np.linalg.norm(np.cross(joint.axis, axis)) > _SAME_AXIS or np.linalg.norm(off) > _SAME_AXIS_M:
                 return None
         return Turn(axis, point, all(joint.kind is JointKind.REVOLUTE for joint in joints))
+
+    def slide_between(self, one: int, other: int) -> Floats | None:
+        """The axis along which two links slide against each other, without any turn."""
+        joints = self._joints_between(one, other)
+        if not joints or any(joint.kind is not JointKind.PRISMATIC for joint in joints):
+            return None
+        axis = np.array(joints[0].axis)
+        is_one = all(np.linalg.norm(np.cross(joint.axis, axis)) <= _SAME_AXIS for joint in joints[1:])
+        return axis if is_one else None
+
+    def _joints_between(self, one: int, other: int) -> list[Joint]:
+        """The joints that move two links against each other: of a loop, or of the tree without those that are fixed."""
+        loop = self._loops.get(frozenset((one, other)))
+        if loop is not None:
+            return [loop]
+        up, down = self.links.between(one, other)
+        joints = [self.links.links[number].joint for number in (*up, *down)]
+        return [joint for joint in joints if joint.kind is not JointKind.FIXED]
 
     def seats(self, one: int, other: int) -> tuple[Seated, ...]:
         """The pairs of parts of two links that are seated in each other where they are modelled.

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from feeler.arguments import check_text
 from feeler.errors import FeelerError, MeshError, OptionError
 from feeler.mechanism.axial import axial_play
+from feeler.mechanism.drawn_threads import drawn_threads
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mechanism.slipping import (
     FREE,
@@ -24,6 +25,7 @@ from feeler.mechanism.slipping import (
     stopped,
     taper_of,
     turn,
+    waving_of,
     way_of,
     winding_of,
 )
@@ -150,17 +152,25 @@ class _Search:
         self.contact = ROUNDING * max(float(np.abs(each.corners).max()) for each in (self.child, self.parent))
         self.touches = touches_of(self.child, self.parent, reach)
         self._in_fits = np.zeros(len(self.touches), dtype=bool)
-        if len(self.touches) < 3:
-            why = "parts drawn through each other have none there, such as a bolt in a hole as wide as its core"
-            raise self._error(f"have nothing in contact, no faces within {length(reach)} of each other ({why})", ())
 
     def joint(self) -> Joint:
+        if len(self.touches) < 3:
+            found = self._drawn_thread()
+            if found is not None:
+                return found
+            why = "parts drawn through each other have none there, such as a pin in a hole that is too narrow"
+            raise self._error(
+                f"have nothing in contact, no faces within {length(self.travel)} of each other ({why})", ()
+            )
         ball = ball_of(self.touches)
         if ball is not None:
             balls = [self._joint(JointKind.REVOLUTE, axis, ball, "a ball in its socket") for axis in np.eye(3)]
             raise self._error("turn about every axis through one point: a ball joint", balls)
         shafts = [self._of_axis(axis) for axis in self._shafts()]
         found = self._thread([motions.axis for motions in shafts])
+        if found is not None:
+            return found
+        found = None if shafts else self._drawn_thread()
         if found is not None:
             return found
         self._refuse_balls(shafts)
@@ -366,6 +376,8 @@ class _Search:
             pitch = pitch_of(t, axis.direction, axis.point)
             if pitch is None or abs(pitch) < 1e-6 * self.size or abs(pitch) > self.size:
                 continue
+            corners = [self.child.corners, self.parent.corners]
+            pitch = waving_of(corners, t, axis.direction, axis.point, pitch)
             pitch = winding_of(self.child.corners, axis.direction, axis.point, pitch)
             way = way_of(t, turn(t, axis.direction, axis.point, pitch), TURN_PLAY_RAD)
             sliding = way_of(t, np.broadcast_to(axis.direction, t.points.shape), self.travel)
@@ -374,6 +386,19 @@ class _Search:
                 said = f"flanks of a thread with a pitch of {length(abs(turned))}"
                 return self._joint(JointKind.SCREW, axis.direction, axis.point, said, turned)
         return None
+
+    def _drawn_thread(self) -> Joint | None:
+        """The joint of a bolt as wide as its thread in a hole as wide as its core, whose walls are not near each
+        other."""
+        pairs = drawn_threads(PartMeshes(self.world), self.child.cylinders, self.parent.cylinders)
+        if not pairs or not all(_in_line(pairs[0][0], one) for one, _ in pairs):
+            return None
+        axis = _common_axis([(one, other, one.radius * one.length) for one, other in pairs])
+        if not len(self.touches):
+            said = f"{self._shaft_words(axis)}, no shoulders"
+            return self._joint(JointKind.CYLINDRICAL, axis.direction, axis.point, said)
+        motions = self._of_axis(axis)
+        return self._of_shaft(motions, True) or self._of_shaft(motions, False)
 
     def _slide(self, others: list[_Motions]) -> Joint:
         t = self.touches
@@ -451,7 +476,8 @@ class _Search:
         paths = self.world.part_paths
         sizes = [length(2 * one.radius), length(2 * other.radius)]
         size = sizes[0] if sizes[0] == sizes[1] else f"{sizes[0]} in {sizes[1]}"
-        return f"coaxial cylinders of {size} on {paths[one.part]!r} and {paths[other.part]!r}"
+        said = f"coaxial cylinders of {size} on {paths[one.part]!r} and {paths[other.part]!r}"
+        return said if _fit(one, other) else f"{said}, a thread drawn as wide as the bolt in a hole as wide as its core"
 
     def _error(self, what: str, candidates: list[Joint] | tuple[Joint, ...]) -> JointError:
         said = "; ".join(

@@ -21,7 +21,8 @@ from feeler.parts import Part, PartsLike
 _SHORTEST_AXIS = 1e-9  # shorter ones are zero but for rounding
 _UNIT = 2e-15  # axes whose square is this near 1 are kept as they are, so that files give them back
 _ORIGIN = (0.0, 0.0, 0.0)
-_EYE = np.eye(4)
+_LAST = [0.0, 0.0, 0.0, 1.0]
+Row = tuple[list[float], list[float], float, float, float]
 
 Vector = tuple[float, float, float]
 
@@ -127,35 +128,49 @@ class Joint:
         """The motion of the child, `(4, 4)`, in the world at the zero position, at the values of its numbers."""
         if len(values) != len(self.names):
             raise OptionError(f"joint {self.name!r} is {self.kind}: give {len(self.names)} numbers, not {len(values)}")
+        given = (
+            check_number(f"joint {self.name!r}", value, "radians" if is_angle else "metres")
+            for value, is_angle in zip(values, self.turns, strict=True)
+        )
+        return self.moved_by(*given)
+
+    def moved_by(self, *values: float) -> npt.NDArray[np.float64]:
+        """The same of numbers that were checked: as many finite ones as it has names."""
         angle = slide = 0.0
-        for value, is_angle in zip(values, self.turns, strict=True):
-            number = check_number(f"joint {self.name!r}", value, "radians" if is_angle else "metres")
-            angle, slide = (number, slide) if is_angle else (angle, number)
-        if self.kind is JointKind.SCREW:
+        if self.kind is JointKind.CYLINDRICAL:
+            angle, slide = values
+        elif self.kind is JointKind.PRISMATIC:
+            (slide,) = values
+        elif self.kind is not JointKind.FIXED:
+            (angle,) = values
             slide = self.pitch * angle / math.tau
         return screw_pose(self.axis, self.point, angle, slide)
 
 
 def screw_pose(axis: Vector, point: Vector, angle: float, slide: float) -> npt.NDArray[np.float64]:
     """A turn about an axis of length one through a point, and a slide along it, `(4, 4)`."""
-    direction, cross, twice, twice_foot, cross_foot = _frame(axis, point)
     half = math.sin(angle / 2.0)
     sine, more = math.sin(angle), 2.0 * half * half
-    pose: npt.NDArray[np.float64] = _EYE.copy()
-    pose[:3, :3] += sine * cross + more * twice
-    pose[:3, 3] = slide * direction - sine * cross_foot - more * twice_foot
-    return pose
+    # in plain numbers: loops ask for thousands, and arrays of three take longer
+    found = [
+        [sine * c + more * t, sine * c1 + more * t1, sine * c2 + more * t2, slide * way - sine * cf - more * tf]
+        for (c, c1, c2), (t, t1, t2), way, cf, tf in _frame(axis, point)
+    ]
+    for number, row in enumerate(found):
+        row[number] += 1.0
+    return np.array([*found, _LAST])
 
 
 @lru_cache(maxsize=4096)
-def _frame(axis: Vector, point: Vector) -> tuple[npt.NDArray[np.float64], ...]:
-    """What poses about an axis are made of: its direction, the matrix of its cross product and the square of that, and
-    both of the point."""
+def _frame(axis: Vector, point: Vector) -> tuple[Row, ...]:
+    """What poses about an axis are made of, by row: the matrix of its cross product and the square of that, its
+    direction, and both matrices of the point."""
     x, y, z = axis
     foot = np.array(point)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     twice = cross @ cross
-    return np.array(axis), cross, twice, twice @ foot, cross @ foot
+    feet = (cross @ foot).tolist(), (twice @ foot).tolist()
+    return tuple(zip(cross.tolist(), twice.tolist(), axis, *feet, strict=True))
 
 
 def _kind(what: str, value: object) -> JointKind:

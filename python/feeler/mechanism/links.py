@@ -56,6 +56,7 @@ class Links:
                 self.links.append(Link(len(self.links), joints[number], children[number], place[above[number]]))
                 left.remove(number)
         self.link_of = np.array([place[int(number)] for number in self.link_of], dtype=np.int64)
+        self._names = [link.joint.names for link in self.links]
         self.frame = tuple(np.flatnonzero(self.link_of < 0).tolist())
 
     def _child(self, mockup: Mockup, joint: Joint, number: int, joints: Sequence[Joint]) -> tuple[int, ...]:
@@ -93,8 +94,9 @@ class Links:
     def poses(self, values: Mapping[str, float]) -> list[Floats]:
         """The pose of each link in the world, (4, 4); the last one, at -1, is the frame."""
         found: list[Floats] = [np.eye(4)] * (len(self.links) + 1)
-        for link in self.links:
-            found[link.number] = found[link.above] @ link.joint.pose(*(values[name] for name in link.joint.names))
+        for link, names in zip(self.links, self._names, strict=True):
+            moved = link.joint.moved_by(*(values[name] for name in names))
+            found[link.number] = moved if link.above < 0 else found[link.above] @ moved
         return found
 
     def way_up(self, number: int) -> list[int]:

@@ -29,7 +29,7 @@ _UPRIGHT = 1e-3  # cosine of a facet's normal with the axis
 _SAME = 2e-4  # differences of radii on one surface, as a share of them: axes are found
 _GRID_M, _GRID_SHARE = 1e-6, 5e-3  # and beside it: files are rounded; by a share at most, where all is small
 _PRESS = 0.1  # a part is pressed into the other by this share of its radius at most
-_THREAD = 0.28  # the same where both go all around: bolts are drawn as wide as their thread, and holes as its core
+THREAD = 0.28  # the same where both go all around: bolts are drawn as wide as their thread, and holes as its core
 _OPPOSED = -0.7  # cosine of the normals of two surfaces that lie in each other
 _STEEP = 0.3  # a surface that leans more moves along its normal: a move along the radius would be long
 _BALL_RAD = 0.05  # the segments that stand for the circle of a ball
@@ -123,7 +123,7 @@ def rounds_of(
         kept = np.zeros(len(vertices), dtype=bool)
         for each in near:
             low, high = _radii(each)
-            kept |= (radius >= (1.0 - _THREAD) * low - each.slack) & (radius <= high / (1.0 - _THREAD) + each.slack)
+            kept |= (radius >= (1.0 - THREAD) * low - each.slack) & (radius <= high / (1.0 - THREAD) + each.slack)
         numbers = np.flatnonzero(kept[faces].all(axis=1))
     if not len(numbers):
         return []
@@ -426,7 +426,7 @@ def clearing(own: Sequence[Round], others: Sequence[Round]) -> list[tuple[Round,
     lines = np.array([*(ends for _, ends, _ in pieces), *(ends for _, ends, _ in theirs)])
     found: dict[int, float] = {}
     start, normals = np.array([ends for _, ends, _ in theirs]), np.array([normal for *_, normal in theirs])
-    shares = np.where([is_whole for is_whole, *_ in theirs], _THREAD, _PRESS)
+    shares = np.where([is_whole for is_whole, *_ in theirs], THREAD, _PRESS)
     for k, ends, normal in pieces:
         way, wide = ends[1] - ends[0], float(ends[:, 0].max())
         deepest = wide * (shares if len(own[k].facets) else np.minimum(shares, _PRESS))

@@ -13,6 +13,7 @@ from feeler._core import Chain, GuardedMove, World
 from feeler.choices import MechanismSeatKind
 from feeler.ignored import IgnoredPairs
 from feeler.mechanism.rounds import Round, clearing, discs_of, moved, rounds_of
+from feeler.mechanism.walls import cleared
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 
@@ -64,6 +65,9 @@ class Sides(Protocol):
     def turn_between(self, one: int, other: int) -> Turn | None:
         """The axis about which two links turn against each other."""
 
+    def slide_between(self, one: int, other: int) -> Floats | None:
+        """The axis along which two links slide against each other."""
+
 
 class Turning:
     """Two parts that turn about the axis of their surfaces of revolution.
@@ -106,6 +110,7 @@ class Guarded:
         self.tool, self.around = tool, around
         self._guard = GuardedMove(World(around, []), tool, pose)
         kinds = [seat.kind for seat in self._guard.seats()]
+        self._is_seated = bool(kinds)
         self.kind: MechanismSeatKind = kinds[0] if kinds else "touching"
 
     def meets(self, pose: Floats, way: Chain) -> Met | None:
@@ -114,8 +119,8 @@ class Guarded:
         return None if ended.impact is None else (share, ended.impact.point, ended.impact.normal)
 
     def is_apart(self, pose: Floats) -> bool:
-        """Whether the parts are off each other at a pose."""
-        return not math.isfinite(self.around.distance(self.tool, pose, TOUCH_M).value)
+        """Whether the parts are off each other at a pose; never where the same surfaces are asked all along."""
+        return self._is_seated and not math.isfinite(self.around.distance(self.tool, pose, TOUCH_M).value)
 
 
 @dataclass(eq=False)
@@ -147,14 +152,15 @@ def seated(bodies: Sides, one: int, other: int) -> tuple[Seated, ...]:
     tool, around = bodies.tool(one), bodies.alone(other)
     own = bodies.parts(one)
     pairs = {(int(a), int(b)) for a, b in World(around, []).seated_parts(tool, np.eye(4))}
-    fits = _round_pairs(bodies, one, other)
+    fits, slide = _round_pairs(bodies, one, other), bodies.slide_between(one, other)
     found = []
     for number, part in sorted(pairs | set(fits)):
-        vertices, faces = bodies.mesh(own[number])
+        mesh, its, around = bodies.mesh(own[number]), bodies.mesh(part), bodies.scene.only([part])
         fit = fits.get((number, part))
+        sliding = None if fit is not None or slide is None else _sliding(mesh, its, around, slide)
         if fit is not None:
-            vertices = fit.moved(vertices)
-        kind, rule = rule_of((vertices, faces), fit, bodies.mesh(part), bodies.scene.only([part]), np.eye(4))
+            mesh = (fit.moved(mesh[0]), mesh[1])
+        kind, rule = sliding or rule_of(mesh, fit, its, around, np.eye(4))
         found.append(Seated(number, own[number], part, kind, rule))
     return tuple(found)
 
@@ -204,6 +210,19 @@ def rule_of(
             return "round", turning
     guarded = Guarded(Tool(*mesh), around, pose)
     return ("round" if fit is not None and guarded.kind == "touching" else guarded.kind), guarded
+
+
+def _sliding(mesh: Mesh, its: Mesh, around: Scene, axis: Floats) -> tuple[MechanismSeatKind, Guarded] | None:
+    """What follows a part along a slide in another, alone in a scene, and its kind; None without walls in walls."""
+    vertices, deep = cleared(*mesh, its, axis)
+    if deep == -math.inf:
+        return None
+    guarded = Guarded(Tool(vertices, mesh[1]), around, np.eye(4))
+    if guarded.kind != "touching":  # walls narrower than they move cross each other
+        whole = Guarded(Tool(*mesh), around, np.eye(4))
+        if guarded.kind == "sunk" or whole.kind != "sunk":
+            return whole.kind, whole
+    return ("fit" if guarded.kind == "touching" and deep > TOUCH_M else guarded.kind), guarded
 
 
 def _round_pairs(bodies: Sides, one: int, other: int) -> dict[tuple[int, int], RoundFit]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler.mechanism.rounds import polar
 from feeler.mechanism.touching import Touches
 
 Floats = npt.NDArray[np.float64]
@@ -33,6 +36,18 @@ TAPER_SPREAD = 0.05
 LEAST_TAPER = 0.002
 TAPER_SHARE = 0.8
 """The least share of a cone in the surface in contact."""
+EVEN = 0.01
+"""Edges that wind are off the pitch of all corners by this share at most: files round all of them alike."""
+PITCH_OFF = 0.15
+"""The pitch of leaning facets is off by this share at most."""
+PITCH_STEP = 1e-6
+"""It is sought to this share."""
+BESIDE = 0.3
+"""Crests and roots are beside the flanks by this share of their height at most."""
+WAVES = 4
+"""Of the profile of a thread: as many as its starts at least."""
+MOST_CORNERS = 4000
+"""Of each side."""
 AGREED = 0.7
 """The least share of flanks that agree on a pitch within 30 %."""
 
@@ -174,8 +189,41 @@ def pitch_of(touches: Touches, axis: Floats, point: Floats) -> float | None:
     return pitch
 
 
+def waving_of(corners: Sequence[Floats], touches: Touches, axis: Floats, point: Floats, pitch: float) -> float:
+    """The pitch, metres a radian, near another, in which the corners of a thread repeat best over all of its turns.
+
+    The radius of a thread is a function of `height / pitch - angle`: its first waves are the largest at the pitch,
+    however ragged corners are, while facets between these lean too little. `corners`: `(m, 3, 3)`, of each side.
+    """
+    leans = (np.abs(touches.child_normals @ axis) > LEANS) | (np.abs(touches.parent_normals @ axis) > LEANS)
+    height, radius, _ = polar(touches.points[leans], axis, point)
+    near, far = np.quantile(radius, [0.02, 0.98])
+    near, far = near - BESIDE * (far - near), far + BESIDE * (far - near)
+    rows = []
+    for own in corners:
+        heights, radii, angle = polar(own.reshape(-1, 3), axis, point)
+        kept = np.flatnonzero((radii > near) & (radii < far) & (heights > height.min()) & (heights < height.max()))
+        kept = kept[:: math.ceil(len(kept) / MOST_CORNERS) or 1]
+        rows.append(np.column_stack([heights, angle, radii - (radii[kept].mean() if len(kept) else 0.0)])[kept])
+    heights, angle, radii = np.concatenate(rows).T
+    turned = float(np.ptp(heights)) / abs(pitch) if len(heights) else 0.0
+
+    def power(value: float) -> float:
+        wave = np.exp(1j * (heights / value - angle))
+        return float(sum(np.abs(wave**k @ radii) ** 2 for k in range(1, WAVES + 1)))
+
+    # the shortest wave falls together within one of its lengths over all turns
+    step = 1.0 / max(turned * WAVES, 1.0)
+    best = max(pitch * np.arange(1.0 - PITCH_OFF, 1.0 + PITCH_OFF, step), key=power)
+    while step > PITCH_STEP:
+        best = max(best + step * pitch * np.linspace(-1.0, 1.0, 9), key=power)
+        step *= 0.25
+    return float(best)
+
+
 def winding_of(corners: Floats, axis: Floats, point: Floats, pitch: float) -> float:
-    """The pitch, metres a radian, of the edges that wind around an axis at one radius; `pitch` if too few do.
+    """The pitch, metres a radian, near another, of the edges that wind around an axis at one radius; `pitch` if too few
+    do, as where corners are ragged.
 
     They go on: edges over a crest from flank to flank, which may keep their radius too, do not.
     """
@@ -190,7 +238,7 @@ def winding_of(corners: Floats, axis: Floats, point: Floats, pitch: float) -> fl
     winds = same & (np.abs(angle) > 0.01)
     ends, angle = ends[winds], angle[winds]
     rates = (height[winds, 1] - height[winds, 0]) / angle
-    alike = np.abs(rates - pitch) < 0.3 * abs(pitch)
+    alike = np.abs(rates - pitch) < EVEN * abs(pitch)
     ends, rates, angle = ends[alike], rates[alike], angle[alike]
     ends[angle < 0.0] = ends[angle < 0.0][:, ::-1]
     places = np.round(ends / (4.0 * rounding or 1.0)).astype(np.int64).reshape(-1, 3)
