@@ -79,6 +79,18 @@ pub const SLIVER_DEPTH: f64 = 0.25;
 /// ridges. Larger: parts without a hole may lean more on their way out.
 pub const PLACE_SHARE: f64 = 0.02;
 
+/// How far beyond that the neighbour's surface may still be looked at, as a share of it, instead of being cast. Smaller: it is cut into more
+/// pieces.
+pub const BEYOND_GRAIN: f64 = 0.5;
+
+/// Most pieces that a neighbour's surface is cut into to find what lies beyond a place. Fewer: more of a surface that is near a large place all
+/// over is looked at.
+pub const MOST_BEYOND_PIECES: usize = 100_000;
+
+/// How far before what a sunk part meets beyond its place it ends, metres: it is cast smaller by [`FLUSH_PLAY`], and would be in it by that.
+/// Larger: it ends farther off; smaller: where it comes to a slanting surface, or turns, it ends at the last look before.
+pub const BEYOND_REST: f64 = 4.0 * FLUSH_PLAY;
+
 /// Most triangles of the tool times crossings of surfaces that are tested at a step. Fewer: large parts get fewer
 /// tests.
 pub const MOST_CROSSING_WORK: usize = 20_000;

@@ -2,10 +2,14 @@
 //!
 //! They leave through the volume that they filled. This is tested at poses along a motion, so their steps are short.
 
+use std::collections::btree_map::Entry;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
 use feeler_contacts::{ContactPlane, ContactSolver};
 use feeler_core::geometry::twist::times;
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
-use feeler_core::{Point, Pose, Ray, Scene, Tool};
+use feeler_core::{GoOn, Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
     CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_BEARING_POINTS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED,
@@ -15,8 +19,8 @@ use crate::constants::{
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
 use crate::seats::{
-    crossing_outside, crossings_in_place, flush_points, pockets, AtStart, Filled, Flush, FlushAt, Inside, SeatKind,
-    Seated,
+    beyond, crossing_outside, crossings_in_place, flush_points, pockets, surface_of_place, AtStart, Beyond, Erosion,
+    Filled, Flush, FlushAt, Inside, SeatKind, Seated,
 };
 use crate::surroundings::Surroundings;
 
@@ -37,7 +41,7 @@ pub struct SunkPlane {
 
 impl Surroundings {
     /// Finds at the start the data that sunk parts need on their way. Tool parts from `own_parts` on are the gripping tool.
-    pub(crate) fn know_sunk(&mut self, own_parts: u32) -> Result<()> {
+    pub(crate) fn know_sunk(&mut self, own_parts: u32, go_on: GoOn<'_>) -> Result<()> {
         let sunk = self.seats().filter(|seat| seat.kind == SeatKind::Sunk);
         self.least_sunk = sunk.map(|seat| seat.depth).fold(f64::INFINITY, f64::min);
         if self.least_sunk.is_finite() || self.overlap > 0.0 {
@@ -55,7 +59,44 @@ impl Surroundings {
             self.through = self.ways_through(&flush)?;
             self.flush = flush.iter().enumerate().map(|(body, flush)| self.keep_flush(body, flush)).collect();
             self.samples = self.samples_of_sunk()?;
+            self.know_beyond(go_on)?;
         }
+        Ok(())
+    }
+
+    /// Finds what of their neighbours lies beyond the places of sunk parts.
+    fn know_beyond(&mut self, go_on: GoOn<'_>) -> Result<()> {
+        let mut erosion = Erosion::new(&self.tool);
+        let mut surfaces: BTreeMap<(usize, u32), Tool> = BTreeMap::new();
+        let mut all = Vec::with_capacity(self.makings.len());
+        for (body, makings) in self.makings.iter().enumerate() {
+            let mut of_body = Vec::with_capacity(makings.seats.len());
+            for seat in &makings.seats {
+                let regions = makings.regions.as_ref().filter(|_| seat.kind == SeatKind::Sunk);
+                let Some(regions) = regions else {
+                    of_body.push(None);
+                    continue;
+                };
+                let (mockup, place, part) = (makings.solver.scene().mockup(), self.place(body), seat.tool_part);
+                let surface = match surfaces.entry((body, part)) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(none) => none.insert(surface_of_place(place, part)?),
+                };
+                let pair = [[part, seat.part]];
+                let met = regions.met(&pair).filter(|t| mockup.part_of_face(*t) == seat.part);
+                let met = met.map(|t| mockup.mesh().triangle(t)).collect();
+                let parts = mockup.part_bounds().len();
+                let scene = beyond(place, (part, surface), met, (seat.part, parts), go_on)?;
+                let smaller = |scene: Scene| -> Result<Beyond> {
+                    Ok(Beyond { tool: erosion.part_with_play(part)?, scene: Arc::new(scene) })
+                };
+                of_body.push(scene.map(smaller).transpose()?);
+            }
+            all.push(of_body);
+        }
+        self.makings.iter_mut().zip(all).for_each(|(makings, beyond)| makings.beyond = beyond);
+        // What was known is without it.
+        self.known = Mutex::default();
         Ok(())
     }
 

@@ -160,14 +160,15 @@ impl<'a> Facets<'a> {
 
 /// A union-find.
 #[derive(Clone)]
-struct Groups(Vec<usize>);
+pub(crate) struct Groups(Vec<usize>);
 
 impl Groups {
-    fn new(count: usize) -> Groups {
+    pub fn new(count: usize) -> Groups {
         Groups((0..count).collect())
     }
 
-    fn of(&mut self, mut at: usize) -> usize {
+    /// The number of a group: its least member.
+    pub fn of(&mut self, mut at: usize) -> usize {
         while self.0[at] != at {
             self.0[at] = self.0[self.0[at]];
             at = self.0[at];
@@ -175,7 +176,7 @@ impl Groups {
         at
     }
 
-    fn join(&mut self, [a, b]: [usize; 2]) {
+    pub fn join(&mut self, [a, b]: [usize; 2]) {
         let (a, b) = (self.of(a), self.of(b));
         self.0[a.max(b)] = a.min(b);
     }

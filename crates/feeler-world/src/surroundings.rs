@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use feeler_contacts::{ContactSolver, Manifold, Manifolds};
 use feeler_core::geometry::vectors::{length, scaled, sub};
-use feeler_core::{Aabb, Closest, Point, Pose, Scene, Tool};
+use feeler_core::{Aabb, Closest, GoOn, Point, Pose, Scene, Tool};
 
 use crate::constants::{EXIT_MARGIN, STEPS_A_LENGTH};
 use crate::environment::{id_in_body, Body, Environment, Pair};
@@ -44,7 +44,7 @@ pub struct Surroundings {
     /// By body: its parts that are in the tool at the start, and the depth by points, metres.
     pub(crate) start_depths: OnceLock<Vec<Vec<(u32, f64)>>>,
     /// Each way of being seated once.
-    known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
+    pub(crate) known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
 }
 
 impl Surroundings {
@@ -78,7 +78,7 @@ impl Surroundings {
             around.refused.extend(found.refused.iter().map(|[t, part]| [*t, body.part_in_mockup(*part)]));
             (makings.seats, makings.eroded, makings.regions) = (found.seats, found.eroded, found.regions);
         }
-        around.know_sunk(own_parts)?;
+        around.know_sunk(own_parts, GoOn::new(goes_on))?;
         Ok(around)
     }
 
@@ -364,6 +364,7 @@ fn unseated(solver: &ContactSolver, tool: &Tool) -> Makings {
         tool_parts: tool.parts() as u32,
         seats: Vec::new(),
         eroded: Vec::new(),
+        beyond: Vec::new(),
         regions: None,
         always: Vec::new(),
         neighbours: None,

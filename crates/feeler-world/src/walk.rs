@@ -6,7 +6,7 @@ use feeler_core::{Cast, CastOptions, GoOn, Motion, Point, Pose};
 
 use crate::ask::least_distance;
 use crate::constants::{
-    CLEARANCE_SLACK, FIRST_SAMPLE, FLUSH_PLAY, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER,
+    BEYOND_REST, CLEARANCE_SLACK, FIRST_SAMPLE, FLUSH_PLAY, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER,
 };
 use crate::environment::Pair;
 use crate::error::Result;
@@ -178,7 +178,7 @@ impl Surroundings {
         let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop), meets: None });
         for (number, asked) in seated.bodies.iter().enumerate() {
             for part in &asked.smaller {
-                let cast = self.cast_of_smaller(part, motion, options)?;
+                let cast = self.cast_of_smaller((number, part), motion, options)?;
                 let end = cast.map(|(fraction, pair)| (fraction, self.stop_of_smaller(number, part.seat, pair)));
                 first = earlier(first, end);
             }
@@ -390,7 +390,7 @@ impl Surroundings {
     /// When a smaller part first meets its neighbour, and which triangle of it. It ends where the next motion may begin.
     fn cast_of_smaller(
         &self,
-        part: &SmallerPart,
+        (body, part): (usize, &SmallerPart),
         motion: &Motion,
         options: WalkOptions<'_>,
     ) -> Result<Option<(f64, [u32; 2])>> {
@@ -403,15 +403,22 @@ impl Surroundings {
                 .with_directions(options.directions)
                 .with_go_on(options.go_on.function()),
         )?;
-        // The next one begins clearly off what ended this.
-        let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
+        // The next one begins clearly off what ended this; and a sunk part, that is larger, meets nothing beyond its place.
+        let rest = if self.is_sunk(body, part.seat) { BEYOND_REST } else { SEAT_REST };
+        let before = |fraction: f64| (fraction - rest / motion.longest_way()).max(0.0);
         Ok(cast.map(|cast| (before(cast.fraction), [cast.tool_triangle, cast.mockup_triangle])))
     }
 
-    /// The end of a cast of a smaller part, whose triangles are not the tool's.
+    /// The end of a cast of a smaller part, whose triangles are not the tool's. What a sunk part meets is a piece of a triangle: no pair
+    /// names it.
     fn stop_of_smaller(&self, body: usize, seat: u32, [tool_triangle, triangle]: [u32; 2]) -> Stop {
+        let part = self.environment.bodies[body].part_in_mockup(self.makings[body].seats[seat as usize].part);
         let pair = Pair { body: body as u32, tool_triangle, triangle, seat: Some(seat) };
-        Stop { part: self.environment.part_of(&pair), pair: Some(pair), is_seat: true }
+        Stop { part, pair: Some(pair).filter(|_| !self.is_sunk(body, seat)), is_seat: true }
+    }
+
+    fn is_sunk(&self, body: usize, seat: u32) -> bool {
+        self.makings[body].seats[seat as usize].kind == SeatKind::Sunk
     }
 
     /// When a cast ends, and at whom.

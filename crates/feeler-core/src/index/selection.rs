@@ -108,6 +108,11 @@ impl SurfaceNumbers {
         self.numbers.binary_search_by_key(&triangle, |(t, _)| *t).ok().map(|at| self.numbers[at].1)
     }
 
+    /// Each triangle that has a number, ascending, and its number.
+    pub fn all(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.numbers.iter().copied()
+    }
+
     /// One more than the largest number.
     pub fn count(&self) -> usize {
         self.count

@@ -106,6 +106,12 @@ impl<'a> Erosion<'a> {
         Ok(None)
     }
 
+    /// The part smaller by [`FLUSH_PLAY`] on all sides, whatever it meets.
+    pub fn part_with_play(&mut self, part: u32) -> Result<Arc<Tool>> {
+        let surfaces = self.corners_of(part).surfaces;
+        self.by(part, &vec![FLUSH_PLAY; surfaces])
+    }
+
     fn corners_of(&mut self, part: u32) -> &Arc<Corners> {
         self.corners.entry(part).or_insert_with(|| Arc::new(Corners::new(self.tool, part)))
     }

@@ -106,6 +106,12 @@ impl Regions {
         self.pairs.iter().filter(|(_, parts)| of.binary_search(parts).is_ok()).map(|(pair, _)| *pair)
     }
 
+    /// The triangles of a body that some pairs of parts may meet, ascending; the pairs sorted.
+    pub fn met(&self, of: &[[u32; 2]]) -> impl Iterator<Item = u32> + '_ {
+        let surfaces: BTreeSet<u32> = self.pairs(of).map(|[_, surface]| surface).collect();
+        self.body.numbers.all().filter(move |(_, surface)| surfaces.contains(surface)).map(|(triangle, _)| triangle)
+    }
+
     fn new(scene: &Scene, tool: &Tool, seats: &[Seat], met: &[[u32; 2]]) -> Regions {
         let mockup = scene.mockup();
         let mut of_parts: Vec<u32> = seats.iter().map(|seat| seat.part).collect();

@@ -1,5 +1,6 @@
 //! Seats: the contacts at the tool's start, surface by surface, and the contacts allowed until they have separated.
 
+mod beyond;
 mod erosion;
 mod fans;
 mod find;
@@ -12,6 +13,8 @@ mod seated;
 pub use find::{Allowed, Seat, SeatKind};
 pub use seated::Seated;
 
+pub(crate) use beyond::{beyond, surface_of_place, Beyond};
+pub(crate) use erosion::Erosion;
 pub(crate) use find::find_seats;
 pub(crate) use flush::{flush_points, Flush, FlushAt};
 pub(crate) use place::{crossing_outside, crossings_in_place, AtStart, Inside};

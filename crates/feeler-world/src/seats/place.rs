@@ -71,7 +71,7 @@ pub fn crossing_outside(
 }
 
 /// How far a part of the tool may come outside of its place, metres.
-fn room_around(tool: &Tool, part: u32) -> f64 {
+pub fn room_around(tool: &Tool, part: u32) -> f64 {
     SEAT_TOLERANCE.max(PLACE_SHARE * size_of(tool, part))
 }
 
@@ -167,7 +167,7 @@ fn size_of(tool: &Tool, part: u32) -> f64 {
 }
 
 /// Whether a point of the world is in the place of a part of the tool, or so near: by its winding number, the sum of solid angles.
-fn is_in(place: AtStart<'_>, part: u32, at: &Point, near: f64) -> bool {
+pub fn is_in(place: AtStart<'_>, part: u32, at: &Point, near: f64) -> bool {
     let mut angle = 0.0;
     for corners in place.surface(part) {
         if closest_triangle_triangle(&[*at; 3], &corners).distance <= near {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use feeler_contacts::ContactSolver;
 use feeler_core::{IgnoredPairs, Scene, Tool};
 
+use super::beyond::Beyond;
 use super::erosion::Eroded;
 use super::find::{Regions, Seat, SeatKind};
 
@@ -38,7 +39,7 @@ pub struct SeatedBody {
     pub clear: Scene,
     /// All pairs except colliding seats: the least distance is over these.
     pub apart: Scene,
-    /// Parts that touch or fit.
+    /// Parts that touch or fit, with their neighbours; and parts that are sunk, with what lies beyond their place.
     pub smaller: Vec<SmallerPart>,
     /// Pairs that are sunk.
     pub sunk: Option<ContactSolver>,
@@ -46,14 +47,14 @@ pub struct SeatedBody {
     pub all: Option<Scene>,
 }
 
-/// A part of the tool, smaller by its depth in a neighbour.
+/// A part of the tool, smaller by its depth in a neighbour; a sunk part, by a play.
 #[derive(Debug)]
 pub struct SmallerPart {
     /// Which of the body's seats.
     pub seat: u32,
     /// Of it alone.
     pub tool: Arc<Tool>,
-    /// Of the neighbour alone.
+    /// Of the neighbour alone; for a sunk part, of its surface beyond the place.
     pub solver: ContactSolver,
 }
 
@@ -65,6 +66,8 @@ pub struct Makings {
     pub seats: Vec<Seat>,
     /// By seat.
     pub eroded: Vec<Option<Eroded>>,
+    /// By seat: what a sunk part may not meet.
+    pub beyond: Vec<Option<Beyond>>,
     pub regions: Option<Regions>,
     /// Parts that may be met all along.
     pub always: Vec<u32>,
@@ -77,14 +80,15 @@ impl Makings {
         let scene = self.solver.scene();
         let solver = |scene: Scene| self.solver.with_scene(Arc::new(scene));
         let meeting = self.held(holds, SeatKind::meets);
-        let held = self.seats.iter().zip(&self.eroded).zip(holds).enumerate().filter(|(_, (_, holds))| **holds);
-        let smaller = held.filter_map(|(number, ((seat, eroded), _))| {
-            let number = number as u32;
-            Some(SmallerPart {
-                seat: number,
-                tool: eroded.as_ref()?.tool.clone(),
-                solver: solver(scene.of_one_part(seat.part)),
-            })
+        let held = (0..).zip(&self.seats).zip(holds).filter(|(_, holds)| **holds);
+        let smaller = held.filter_map(|((number, seat), _)| {
+            let at = number as usize;
+            if let Some(beyond) = self.beyond.get(at).and_then(Option::as_ref) {
+                let solver = self.solver.with_scene(beyond.scene.clone());
+                return Some(SmallerPart { seat: number, tool: beyond.tool.clone(), solver });
+            }
+            let tool = self.eroded[at].as_ref()?.tool.clone();
+            Some(SmallerPart { seat: number, tool, solver: solver(scene.of_one_part(seat.part)) })
         });
         SeatedBody {
             smaller: smaller.collect(),

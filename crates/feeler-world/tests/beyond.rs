@@ -1,0 +1,126 @@
+//! Parts that are sunk in a neighbour: they never meet what of its surface lies beyond their place, however thin both are.
+
+use std::sync::Arc;
+
+use feeler_contacts::ContactSolver;
+use feeler_core::geometry::twist::{pose_of, rotation_of, times};
+use feeler_core::{Mockup, Motion, Point, Pose, Scene, SceneOptions, Screw, Tool};
+use feeler_shapes::{box_mesh, joined, lathe, Arrays};
+use feeler_world::{Body, SeatKind, Surroundings, WalkOptions};
+
+/// How near a walk ends before it meets a sheet, metres.
+const NEAR: f64 = 4.5e-6;
+
+fn placed(frame: &Pose, (vertices, faces): Arrays) -> Arrays {
+    (vertices.iter().map(|p| frame.apply(p)).collect(), faces)
+}
+
+/// A part of a mock-up, and what is in it.
+fn around(part: Arrays, tool: Arrays, frame: &Pose) -> Surroundings {
+    let (vertices, faces) = placed(frame, part);
+    let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
+    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default()).unwrap();
+    let body = Body { solver: ContactSolver::new(Arc::new(scene)), part: None };
+    let tool = Arc::new(Tool::new(tool.0, tool.1).unwrap());
+    let around = Surroundings::around(vec![body], tool, frame).unwrap();
+    assert_eq!(around.seats().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
+    around
+}
+
+fn frames() -> [Pose; 3] {
+    let frame = |turn: Point, place: Point| pose_of(&rotation_of(&turn), &place).unwrap();
+    [Pose::IDENTITY, frame([0.3, -0.2, 0.9], [0.1, 0.2, 0.3]), frame([2.0, 0.7, -1.1], [30.0, -20.0, 10.0])]
+}
+
+/// A pin of radius 4 mm along z, 40 mm long, with a flange of so much radius, above a height.
+fn pin(flange: f64, above: f64, thin: f64) -> Arrays {
+    let profile = [
+        [1e-4, -0.02],
+        [0.004, -0.02],
+        [0.004, above],
+        [flange, above],
+        [flange, above + thin],
+        [0.004, above + thin],
+        [0.004, 0.02],
+        [1e-4, 0.02],
+    ];
+    lathe(&profile, 24, 0.1)
+}
+
+/// How far it gets along a way, metres; `None`: to its end.
+fn far(around: &Surroundings, frame: &Pose, way: Point, verifies: bool) -> Option<f64> {
+    let to = frame.translated(&times(frame.rotation(), &way)).unwrap();
+    let options = if verifies { WalkOptions::verify(&|| true) } else { WalkOptions::default() };
+    let walk = around.walk(&around.seated_at_start(), (frame, &to), options).unwrap();
+    assert_eq!(walk.stop.is_none(), walk.fraction == 1.0);
+    let stop = walk.stop?;
+    assert!(stop.part == 0 && stop.is_seat && stop.pair.is_none());
+    Some(walk.fraction * Motion::new(around.tool(), frame, &to).longest_way())
+}
+
+#[test]
+fn a_thin_flange_of_a_sunk_pin_stops_at_the_thin_sheet_that_the_pin_goes_through() {
+    let thin = [1e-5, 4e-5, 1e-4, 5e-4];
+    let cases = thin.into_iter().flat_map(|sheet| thin.map(|flange| (sheet, flange)));
+    for (number, (sheet, flange)) in cases.enumerate() {
+        let frame = frames()[number % 3];
+        let above = 0.0062 + 2.3e-4 * number as f64;
+        // Of large triangles, which the pin goes through as well; or of smaller ones.
+        let plate = box_mesh([0.0; 3], [0.08, 0.06, sheet], [1, 7][number % 2]);
+        let around = around(plate, pin(0.009, above, flange), &frame);
+        for verifies in [false, true] {
+            let down = far(&around, &frame, [0.0, 0.0, -0.06], verifies).expect("it stops");
+            let free = above - 0.5 * sheet;
+            assert!(down < free && down > free - NEAR, "{sheet} {flange} {verifies}: {down} of {free}");
+            assert_eq!(far(&around, &frame, [0.0, 0.0, 0.06], verifies), None);
+        }
+    }
+}
+
+#[test]
+fn it_stops_there_on_a_screw_too() {
+    let (above, sheet) = (0.0073, 1e-4);
+    for frame in frames() {
+        let around = around(box_mesh([0.0; 3], [0.08, 0.06, sheet], 1), pin(0.009, above, 1e-4), &frame);
+        let axis = times(frame.rotation(), &[0.0, 0.0, 1.0]);
+        let walk = |pitch: f64| {
+            let screw = Screw::new(&axis, frame.translation(), std::f64::consts::TAU, pitch).unwrap();
+            let motion = Motion::screw(around.tool(), &frame, &screw).unwrap();
+            around.walk_along(&around.seated_at_start(), &motion, WalkOptions::default(), &mut |_| ()).unwrap()
+        };
+        let down = walk(-0.06).fraction * 0.06;
+        let free = above - 0.5 * sheet;
+        assert!(down < free && down > free - NEAR, "{down}");
+        assert!(walk(0.06).stop.is_none());
+    }
+}
+
+#[test]
+fn what_is_near_the_place_or_in_it_does_not_count() {
+    // Flanges that stand out by less than 2 % of the size go through; and so does a pin through a thick plate, whose surface is cut to
+    // pieces that lie deep in the pin.
+    for frame in frames() {
+        let size = (0.008f64 * 0.008 + 0.008 * 0.008 + 0.04 * 0.04).sqrt();
+        for (share, is_free) in [(0.5 * 0.02, true), (2.0 * 0.02, false)] {
+            let around =
+                around(box_mesh([0.0; 3], [0.08, 0.06, 1e-4], 5), pin(0.004 + share * size, 0.007, 1e-4), &frame);
+            assert_eq!(far(&around, &frame, [0.0, 0.0, -0.06], true).is_none(), is_free, "{share}");
+        }
+        let around = around(box_mesh([0.0; 3], [0.08, 0.06, 0.012], 9), pin(0.004, 0.007, 1e-4), &frame);
+        for z in [0.06, -0.06] {
+            assert_eq!(far(&around, &frame, [0.0, 0.0, z], true), None);
+        }
+    }
+}
+
+#[test]
+fn a_flush_floor_beyond_the_place_does_not_hold_a_part_that_is_sunk_at_one_end() {
+    // A bar on a floor, 3 mm of it in a narrow boss on that floor.
+    let (floor, boss) =
+        (box_mesh([0.0, 0.0, -0.01], [0.4, 0.1, 0.02], 3), box_mesh([-0.02, 0.0, 0.0], [0.046, 0.01, 0.03], 1));
+    let bar = box_mesh([0.02, 0.0, 0.005], [0.04, 0.02, 0.01], 1);
+    let around = around(joined([floor, boss]), bar, &Pose::IDENTITY);
+    // Beyond the 2 % to 3 % of its size, where it is cast; exactly flush faces count as crossing in the end.
+    let along = far(&around, &Pose::IDENTITY, [0.1, 0.0, 0.0], false);
+    assert!(along.is_none_or(|along| along > 0.02), "{along:?}");
+}
