@@ -258,3 +258,23 @@ def test_a_film_turns_as_the_way_does() -> None:
     still = np.concatenate([turning[:3], turning[2:]])
     assert (np.diff(moments(still, bounds)) > 0.0).all()
     assert (np.diff(moments(np.tile(np.eye(4), (3, 1, 1)), bounds)) > 0.0).all()
+
+
+def test_thousands_of_passes_that_end_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of small parts in a closed box on a fast machine: the time of an attempt doubles with each."""
+    order = importlib.import_module("feeler.plan.order")
+    budgets = []
+
+    def ends_at_once(search: Any, passes: int) -> bool:
+        budgets.append(search._budget(passes))
+        if passes == 3_000:
+            raise KeyboardInterrupt
+        return False
+
+    monkeypatch.setattr(order._Search, "_try_what_is_stuck", ends_at_once)
+    case = feeler.Mockup(
+        {"core": cube((0.4, 0.4, 0.4), 0.2), "case": joined(cube((0, 0, 0), 1), inverted(cube((0.4, 0.4, 0.4), 0.2)))}
+    )
+    with pytest.raises(feeler.RemovalOrderInterrupted):
+        feeler.removal_order(feeler.Scene(case), "core", keep="case", seconds=60)
+    assert len(budgets) > 1_100

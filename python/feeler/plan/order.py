@@ -36,6 +36,8 @@ LEAST_TRY_S, LEAST_TRY_ROUNDS = 0.25, 2
 MOST_FULL_PASSES = 8
 """With `rounds`, the search gives up after it has tried what is stuck this often with all of them: a way that it finds
 is rarely refused by every plan, but may be."""
+_MOST_DOUBLINGS = 62
+"""The time of an attempt doubles with each pass, this often: by then it is longer than anybody waits."""
 
 
 @documented
@@ -392,7 +394,9 @@ class _Search:
         return Budget(LEAST_TRY_S) if self.rounds is None else Budget(rounds=min(LEAST_TRY_ROUNDS, self.rounds))
 
     def _budget(self, passes: int) -> Budget:
+        # Attempts that end at once, as where all parts are held, make thousands of passes in a second.
+        grown = 2 ** min(passes, _MOST_DOUBLINGS)
         if self.rounds is None:
-            return Budget(max(LEAST_TRY_S, TRY_SHARE * self.clock.seconds) * 2.0**passes)
+            return Budget(max(LEAST_TRY_S, TRY_SHARE * self.clock.seconds) * grown)
         first = max(LEAST_TRY_ROUNDS, math.ceil(TRY_SHARE * self.rounds))
-        return Budget(rounds=min(self.rounds, first * 2**passes))
+        return Budget(rounds=min(self.rounds, first * grown))
