@@ -461,3 +461,24 @@ def test_a_project_of_an_older_feeler_says_of_all_its_results_what_is_stale(tmp_
     session = opened(path, raised)
     assert marks(session) == [{}, {PEG: "moved"}, {PEG: "moved"}]
     session.close()
+
+
+def test_a_requirement_whose_part_is_gone_does_not_hold(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    for name, b in (("exact", PATHS[PEG]), ("pattern", "*/pe?"), ("other", PATHS[PLATE])):
+        session.command("requirement_add", {"name": name, "a": PATHS[1], "b": b, "gap": 1e-6})
+    take(session, "verify")
+    before = [each["verdict"]["status"] for each in session.document()["requirements"]]
+    saved(session)
+    session.close()
+    there = stand()
+    kept = [part for part in range(len(PATHS)) if part != PEG]
+    newer = feeler.Mockup({PATHS[part]: (there.vertices, there.faces[there.part_of_face == part]) for part in kept})
+    session = opened(path, newer)
+    assert session.document()["project"]["gone"] == [PATHS[PEG]]
+    exact, pattern, other = (each["verdict"] for each in session.document()["requirements"])
+    assert exact["status"] == pattern["status"] == "unknown" and other["status"] == before[2]
+    assert exact["trouble"] == f"{PATHS[PEG]!r} names no part of this revision"
+    assert pattern["trouble"] == "'*/pe?' names no part of this revision"
+    session.close()

@@ -18,6 +18,8 @@ from typing import Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from feeler.clashes.limits import unmatched
+from feeler.clashes.rules import Rule, Rules
 from feeler.clashes.tracking import NEW, mark_json, mark_of_json
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
@@ -252,6 +254,9 @@ def restored(
         values, aside = _renumbered(values, renumber)
     if names is not None:
         values = _renamed(values, names, parts)
+    if renumber is not None and "requirements" in values:
+        paths = [part.path for part in parts]
+        values["requirements"] = tuple(_with_its_parts(each, parts, paths) for each in values["requirements"])
     values = _without(values, frozenset(base.absent))
     rest, there = loads(texts.get(_FINDINGS, "null"), _FINDINGS), rows(_FINDINGS)
     head = loads(next((row.value for row in rows("facts") if row.id == CHECK), "null"), _FINDINGS)
@@ -393,6 +398,18 @@ def _requirement(each: KeptClear, renumber: Renumber) -> KeptClear:
         return replace(each, verdict=None)
     stale = _stale(verdict.stale, renumber)
     return replace(each, verdict=replace(verdict, parts=parts, stale=stale, **_places(verdict, renumber)))
+
+
+def _with_its_parts(each: KeptClear, parts: Parts, paths: Sequence[str]) -> KeptClear:
+    """Unknown if one of its patterns names no part any more: nothing holds of parts that are not there."""
+    if each.verdict is None:
+        return each
+    asked = Rules((Rule(each.name, each.a, each.b),), where=f"requirement {each.name!r}")
+    lost = unmatched(asked, parts, paths)
+    if not lost:
+        return each
+    pattern = lost[0].partition(" of rule ")[0]
+    return replace(each, verdict=Verdict("unknown", trouble=f"{pattern} names no part of this revision"))
 
 
 def _stale(stale: Mapping[int, Since], renumber: Renumber) -> Mapping[int, Since]:
