@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { isStale, savingText, staleText } from "../src/actions/project";
 import type { ProjectFacts } from "../src/link/protocol";
-import { revisionText, sinceText } from "../src/model/stale";
+import type { Finding } from "../src/model/finding-list";
+import { checkSince, findingRevision, revisionText, sinceText } from "../src/model/stale";
 
 const FACTS: ProjectFacts = { name: "a.feelproj", state: "saved", trouble: null, stale: {}, gone: [], aside: 0 };
 
@@ -32,4 +33,12 @@ test("a result names the parts that differ since", () => {
   );
   assert.equal(sinceText({ 0: moved, 1: changed }, nameOf, [3, 1, null]), "lid changed");
   assert.equal(sinceText({ 0: moved }, nameOf, [2]), "");
+  const finding = { part_a: null, part_b: 0, path_a: "a/bolt", path_b: "a/pump" } as Finding;
+  assert.equal(
+    findingRevision(finding, { 0: moved }, ["a/bolt"], nameOf),
+    "of an earlier revision: bolt gone, pump moved since",
+  );
+  assert.equal(findingRevision(finding, {}, [], nameOf), "", "of another mock-up");
+  assert.equal(checkSince({ 0: moved }, ["a/bolt"], nameOf), "1 part gone, pump moved");
+  assert.equal(checkSince({}, ["a/bolt"], nameOf), "", "checked since");
 });

@@ -14,7 +14,7 @@ import {
 import type { FindingStatus } from "../link/protocol";
 import { formatCount } from "../math/units";
 import { factsText, noteOf, STATUSES, sentence, statusOf, withOthers } from "../model/findings";
-import { revisionText } from "../model/stale";
+import { findingRevision } from "../model/stale";
 import { useWorkbench } from "./context";
 
 export function FindingCard() {
@@ -28,8 +28,8 @@ export function FindingCard() {
   const [first = -1] = chosen;
   const row = chosen.size === 1 ? first : -1;
   const finding = row >= 0 ? list.finding(row) : null;
-  const sides = finding ? [finding.part_a, finding.part_b] : [];
-  const earlier = revisionText(facts.stale, (part) => store.nameOf(part), sides);
+  const gone = store.document.value?.project?.gone ?? [];
+  const earlier = finding ? findingRevision(finding, facts.stale, gone, (part) => store.nameOf(part)) : "";
   const is_seen = finding !== null && findings.focus.value?.finding.id === finding.id;
   const is_ignoring = finding !== null && findings.ignoring.value !== null;
   const statuses = new Set([...chosen].map((each) => statusOf(list, facts, each)));

@@ -4,7 +4,7 @@ import { useSignalEffect } from "@preact/signals";
 import { lookAtFinding } from "../actions/findings";
 import { formatCount } from "../math/units";
 import { factsText, lineOf, nameA, nameB, relation, sentence, statusOf } from "../model/findings";
-import { revisionText } from "../model/stale";
+import { findingRevision } from "../model/stale";
 import { useWorkbench } from "./context";
 import { NameField } from "./fields";
 import { Icon } from "./icons";
@@ -169,7 +169,8 @@ function FindingLine({ row, line, isActive, choose }: LineProps & { row: number 
   const status = statusOf(list, facts, row);
   const is_current = findings.row.value === row;
   const whole = sentence(finding, unit);
-  const earlier = revisionText(facts.stale, (part) => store.nameOf(part), [finding.part_a, finding.part_b]);
+  const gone = store.document.value?.project?.gone ?? [];
+  const earlier = findingRevision(finding, facts.stale, gone, (part) => store.nameOf(part));
   // Begins with the visible text of the row, so that speech input can name it.
   const seen = [whole, factsText(finding), status === "new" ? "" : status, earlier && "earlier revision"];
   const label = [seen.filter(Boolean).join(" "), status === "new" ? status : "", earlier].filter(Boolean).join(", ");

@@ -5,7 +5,7 @@ import { exportFindings, FORMATS } from "../actions/findings";
 import type { FindingFormat } from "../link/protocol";
 import { formatCount } from "../math/units";
 import { type FindingOrder, type Grouping, STATUSES, statusOf } from "../model/findings";
-import { sinceText } from "../model/stale";
+import { checkSince } from "../model/stale";
 import type { Store } from "../model/store";
 import { useWorkbench } from "./context";
 import { CommandButton } from "./fields";
@@ -66,7 +66,8 @@ function Head() {
   const { store } = useWorkbench();
   const { facts, is_stale } = store.findings;
   const check = facts.value?.check;
-  const earlier = sinceText(facts.value?.stale ?? {}, (part) => store.nameOf(part));
+  const gone = facts.value ? (store.document.value?.project?.gone ?? []) : [];
+  const earlier = checkSince(facts.value?.stale ?? {}, gone, (part) => store.nameOf(part));
   return (
     <section>
       <div class="select-row">
