@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { base64 } from "../src/actions/exports";
 import { measureArgs, nearestEdge } from "../src/actions/measures";
 import { marksOf } from "../src/app/marks";
-import { partStates, REACHED, reachTints, withLit } from "../src/app/part-states";
+import { answerTints, BLOCKING, partStates, REACHED, reachTints, withLit } from "../src/app/part-states";
 import type { CardAnswer, Document, Manifest, State } from "../src/link/protocol";
 import { IDENTITY } from "../src/math/matrix";
 import type { Vec3 } from "../src/math/vectors";
@@ -331,6 +331,20 @@ test("base64 is that of any length", () => {
     const bytes = Uint8Array.from({ length: count }, (_, k) => (k * 37) & 255);
     assert.equal(base64(bytes), Buffer.from(bytes).toString("base64"));
   }
+});
+
+test("what stops a part is red while its card is open, and nothing where there is a way", () => {
+  const blockers = [{ part: 3 }, { part: 1 }] as unknown as CardAnswer["blockers"];
+  const none = { reaches: [], blockers, ways: [] };
+  assert.deepEqual(
+    [...answerTints(none)],
+    [
+      [3, BLOCKING],
+      [1, BLOCKING],
+    ],
+  );
+  assert.equal(answerTints({ ...none, ways: [{}] as unknown as CardAnswer["ways"] }).size, 0);
+  assert.equal(answerTints(undefined).size, 0);
 });
 
 test("heads are green where a hand turns the tool, amber where none fits or the swing is too small, else red", () => {

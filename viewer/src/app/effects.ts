@@ -6,7 +6,7 @@ import type { Workbench } from "../actions/workbench";
 import { saveSettings } from "../model/settings";
 import { goneParts } from "../model/task";
 import type { Loop } from "./loop";
-import { findingTints, partStates, reachTints } from "./part-states";
+import { answerTints, findingTints, partStates } from "./part-states";
 
 /** Follows the store from now on; the function returned ends it. */
 export function followStore(wb: Workbench, loop: Loop): () => void {
@@ -35,7 +35,7 @@ export function followStore(wb: Workbench, loop: Loop): () => void {
       void store.manifest.value;
       const focus = store.findings.focus.value;
       const answer = store.card.value === null ? undefined : store.answers.value.get(store.card.value);
-      stage.setTints(focus ? findingTints(focus) : reachTints(answer?.reaches ?? []));
+      stage.setTints(focus ? findingTints(focus) : answerTints(answer));
       loop.remark();
     }),
     effect(() => {

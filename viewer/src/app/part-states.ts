@@ -65,6 +65,18 @@ export function reachTints(reaches: CardAnswer["reaches"]): Map<number, number> 
   return tints;
 }
 
+/** What stops parts that do not come out: red, as long as their card is open. */
+export const BLOCKING = 0xd9402c;
+
+/** The colours of parts in the answer of a card: heads by their reach, and what stops a part for which there is no way. */
+export function answerTints(
+  answer: Pick<CardAnswer, "reaches" | "blockers" | "ways"> | undefined,
+): Map<number, number> {
+  if (!answer) return new Map();
+  const blockers = answer.ways.length === 0 ? answer.blockers : [];
+  return new Map([...blockers.map(({ part }) => [part, BLOCKING] as const), ...reachTints(answer.reaches)]);
+}
+
 /** The colours of the parts of a finding. */
 export function findingTints(focus: Focus | null): Map<number, number> {
   const { part_a = null, part_b = null } = focus?.finding ?? {};
