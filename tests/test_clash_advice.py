@@ -85,6 +85,8 @@ def test_rules_that_hide_everything_say_so() -> None:
     assert advice(feeler.clash(house(), rules=rules)) == [
         "the rules hide all 9 findings. Check without rules to see them"
     ]
+    one = mockup_of({"a": CUBE, "b": CUBE})
+    assert advice(feeler.clash(one, rules=rules)) == ["the rules hide the only finding. Check without rules to see it"]
 
 
 def test_findings_need_no_advice() -> None:

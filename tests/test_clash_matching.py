@@ -510,7 +510,7 @@ def test_twenty_thousand_parts_are_matched_in_seconds() -> None:
     for paths in ([f"b/{i}" for i in range(count)], ["bolt"] * count):
         now = shapes(paths, lower[order] + 1e-6, size[order])
         started = time.perf_counter()
-        new_of_old, is_same = matched(before, now)
+        new_of_old, is_same, _ = matched(before, now)
         assert time.perf_counter() - started < 10.0
         assert (order[new_of_old] == np.arange(count)).all() and is_same.all()
 

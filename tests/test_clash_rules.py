@@ -243,8 +243,11 @@ def test_names_that_are_not_there_are_told_with_near_ones(mockup: feeler.Mockup)
         ruled(mockup, Rule("x", "*", "*blot*"))
     with pytest.raises(OptionError, match=r"exclusion 'y', a: no path matches 're:walls/\.\*' as a whole"):
         left_out(mockup, Exclusion("y", "re:walls/.*"))
-    with pytest.raises(OptionError, match=r"'re:\(' is not a regular expression"):
-        ruled(mockup, Rule("x", "re:("))
+    for optional in (False, True):
+        with pytest.raises(
+            OptionError, match=r"rules, rule 'x', a: 're:\(' is not a regular expression: .*position 0$"
+        ):
+            ruled(mockup, Rule("x", "re:(", optional=optional))
     assert left_out(mockup, Exclusion("y", "*blot*", optional=True)) == set()
     assert ruled(mockup, Rule("x", "*blot*", optional=True)).keys() == FOUND.keys()
 

@@ -66,7 +66,8 @@ def _nothing(clashes: Clashes) -> str:
     facts = clashes.facts
     hidden = sum(clashes.hidden.values())
     if hidden:
-        return f"the rules hide all {hidden:,} findings. Check without rules to see them"
+        what = "the only finding" if hidden == 1 else f"all {hidden:,} findings"
+        return f"the rules hide {what}. Check without rules to see {'it' if hidden == 1 else 'them'}"
     if facts.clearance == 0.0:
         return "no pair of parts collides. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
     return (

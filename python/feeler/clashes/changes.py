@@ -29,7 +29,7 @@ class _Known(Generic[AnyTable]):
         self.table = table
         names = [table.keys[part] for part in np.union1d(table.parts_a, table.parts_b)]
         self.shapes = table.shapes.joined(unknown(names))
-        new_of_old, is_same = matched(self.shapes, now)
+        new_of_old, is_same, is_ambiguous = matched(self.shapes, now)
         row_of_key = {key: row for row, key in enumerate(self.shapes.keys)}
         self.key_now: dict[str, str] = {}
         """The key of each matched part now, by its previous key."""
@@ -37,6 +37,8 @@ class _Known(Generic[AnyTable]):
         """How a key changed, "renamed" or "renumbered", by the previous key; only keys that changed."""
         self.altered = 0
         """The number of parts with the same key, but another shape or place."""
+        self.ambiguous = int(np.count_nonzero(is_ambiguous[[row_of_key[name] for name in names]]))
+        """The number of parts that match two copies equally well, and so neither."""
         is_altered = self.shapes.is_known & ~is_same
         is_known_now = now.is_known
         for name in names:
@@ -70,7 +72,8 @@ class _Known(Generic[AnyTable]):
     def match(self) -> PartMatch:
         """How many parts with findings match a part of this check."""
         renamed = {name: self.key_now[name] for name in self.renamed}
-        return PartMatch(len(self.names), len(self.key_now) - len(renamed), self.altered, len(renamed), renamed)
+        by_path = len(self.key_now) - len(renamed)
+        return PartMatch(len(self.names), by_path, self.altered, len(renamed), renamed, self.ambiguous)
 
 
 def compare(now: AnyTable, before: AnyTable, growth: float) -> PartMatch:
@@ -215,7 +218,7 @@ def check_previous(mockup: Mockup, before: Table) -> None:
 
 def _check_match(known: Sequence[_Known[AnyTable]], now: Shapes) -> None:
     names = sorted({name for each in known for name in each.names})
-    if not names or any(each.key_now for each in known):
+    if not names or any(each.key_now or each.ambiguous for each in known):
         return
     hint = "" if any(each.shapes.is_known.any() for each in known) else "; they were saved without shapes"
     raise LoadError(

@@ -267,6 +267,10 @@ def _chord_of(
     return np.where(is_chord, 2.0 * (chord or 0.0), 0.0)
 
 
+class _ExpressionError(OptionError):
+    """A regular expression is not valid."""
+
+
 class _Named:
     """Turns patterns into masks of parts."""
 
@@ -286,20 +290,20 @@ class _Named:
             try:
                 mask[self.matching(pattern)] = True
             except OptionError as error:
-                if not optional:
-                    raise OptionError(
-                        f"{self.where}, {who}, {side}: {error} (optional = true lets it match nothing)"
-                    ) from None
+                is_wrong = isinstance(error, _ExpressionError)
+                if is_wrong or not optional:
+                    hint = "" if is_wrong else " (optional = true lets it match nothing)"
+                    raise OptionError(f"{self.where}, {who}, {side}: {error}{hint}") from None
         return mask
 
     def matching(self, pattern: str) -> npt.NDArray[Any]:
-        """The parts that one pattern names. Raises `OptionError` where it names none."""
+        """The parts that one pattern names. Raises `OptionError` where it names none, or is no pattern."""
         if not pattern.startswith("re:"):
             return self.parts.select(pattern)
         try:
             matches = re.compile(pattern[3:]).fullmatch
         except re.error as error:
-            raise OptionError(f"{pattern!r} is not a regular expression: {error}") from None
+            raise _ExpressionError(f"{pattern!r} is not a regular expression: {error}") from None
         found = np.flatnonzero([matches(path) is not None for path in self.paths])
         if not len(found):
             near = self.paths[0] if self.paths else ""

@@ -4,8 +4,7 @@
 
 Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
 place only, since their order is arbitrary; also those that a reader numbered. If most parts moved, places are compared
-after the motion of the whole: the one under which most parts of a shape of their own, then most shapes, are in their
-places.
+after the motion of the whole, which `motions.py` chooses.
 """
 
 from __future__ import annotations
@@ -16,10 +15,12 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler.clashes.motions import Evidence, Motion, shared_steps
 from feeler.clashes.shapes import Floats, Shapes
 from feeler.clashes.tracking import DEPTH_GROWTH_M
 
@@ -54,7 +55,8 @@ class PartMatch:
 
     parts: number of parts that had findings. by_path: of these, parts with the same path. altered: parts with the same
     path, but another shape or place. by_shape: parts with another path, or another number among equal paths. renamed:
-    the current key of each part in `by_shape`, by its previous key.
+    the current key of each part in `by_shape`, by its previous key. ambiguous: parts that match none since the assembly
+    moved, and two copies of it are as likely the original.
     """
 
     parts: int
@@ -62,6 +64,7 @@ class PartMatch:
     altered: int
     by_shape: int
     renamed: Mapping[str, str] = field(default_factory=dict)
+    ambiguous: int = 0
 
     def __str__(self) -> str:
         """One line."""
@@ -74,6 +77,8 @@ class PartMatch:
         if self.renamed:
             before, now = min(self.renamed.items())
             text += f", such as {now}, before {before}"
+        if self.ambiguous:
+            text += f"; {self.ambiguous:,} match two copies equally well, and so neither"
         return text
 
     @property
@@ -87,19 +92,31 @@ class PartMatch:
         return 2 * (self.by_path + self.by_shape - self.altered) < self.parts
 
 
-def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
-    """The row of `new` that matches each row of `old`, or -1; and whether shape and place are unchanged.
+class Match(NamedTuple):
+    """The part now of each part before.
+
+    new_of_old: its row, or -1. is_same: whether shape and place are unchanged. is_ambiguous: whether it matches none
+    since nothing tells two copies of it apart.
+    """
+
+    new_of_old: Rows
+    is_same: npt.NDArray[np.bool_]
+    is_ambiguous: npt.NDArray[np.bool_]
+
+
+def matched(old: Shapes, new: Shapes) -> Match:
+    """Matches the rows of `old` and `new`.
 
     One to one, and the same on every machine. Nearly linear in the number of parts.
     """
     old, new = (replace(each, paths=unnumbered(each.paths)) for each in (old, new))
     search = _Search(old, new)
     still = search.found(_NO_SHIFT)
-    for shift in search.common_shifts(still):
-        moved = search.found(shift)
-        if search.weight(moved) > search.weight(still):
-            still = moved
-    return search.by_path(still.copy()), still >= 0
+    shifts = [_NO_SHIFT, *search.common_shifts(still)]
+    motions = [Motion(shift, search.found(shift) if shift.any() else still) for shift in shifts]
+    found, is_doubtful = search.evidence().chosen(motions)
+    new_of_old = search.by_path(found.copy())
+    return Match(new_of_old, found >= 0, is_doubtful & (new_of_old < 0))
 
 
 def unnumbered(paths: Sequence[str]) -> tuple[str, ...]:
@@ -176,20 +193,18 @@ class _Search:
             new_of_old[old] = new
         return new_of_old
 
-    def weight(self, new_of_old: Rows) -> tuple[int, int, int]:
-        """How many parts of a shape of their own are matched, how many shapes, and how many parts.
-
-        A pattern matches itself when it moves by its pitch, so the number of parts counts last.
-        """
-        is_matched = new_of_old >= 0
-        shapes = np.count_nonzero(np.bincount(self.shape[is_matched & (self.shape >= 0)]))
-        return int(np.count_nonzero(self.is_unique & is_matched)), int(shapes), int(np.count_nonzero(is_matched))
+    def evidence(self) -> Evidence:
+        """What motions are judged by."""
+        olds, news = self.mates
+        is_rigid = self.are_alike(olds, news)
+        mates = olds[is_rigid], news[is_rigid]
+        return Evidence((self.old.paths, self.new.paths), self.shape, self.is_unique, mates)
 
     def common_shifts(self, new_of_old: Rows) -> list[Floats]:
         """Motions that the whole may have made, if most parts moved, the likeliest first; else none.
 
-        The median motion of parts with equal paths, and the most frequent motions of parts with equal shapes: paths may
-        be numbered anew.
+        The median and the most frequent motions of parts with equal paths; and the most frequent motions to parts of
+        equal shape, of the likest paths and of any: paths may be numbered anew.
         """
         if not len(self._left(new_of_old)[0]):
             return []  # all are in their places
@@ -201,16 +216,42 @@ class _Search:
         is_moved = is_rigid & (new_of_old[olds] != news)
         if 2 * np.count_nonzero(is_moved) <= np.count_nonzero(is_rigid):
             return []
-        olds, news = olds[is_moved], news[is_moved]
-        median = np.asarray(np.median(self.centres[1][news] - self.centres[0][olds], axis=0))
-        return [median, *self._frequent(self.centres[1][alike[1]] - self.centres[0][alike[0]])]
+        mates = self._moves(olds[is_moved], news[is_moved])
+        motions = mates, self._moves(*self._likest(*alike)), self._moves(*alike)
+        return self._different([np.median(mates, axis=0), *(each for some in motions for each in self._frequent(some))])
+
+    def _moves(self, olds: Rows, news: Rows) -> Floats:
+        """How far each pair is apart, `(n, 3)` metres."""
+        return np.asarray(self.centres[1][news] - self.centres[0][olds])
+
+    def _likest(self, olds: Rows, news: Rows) -> tuple[Rows, Rows]:
+        """Of these pairs, those whose paths share most steps, by the part before."""
+        shared = np.array(
+            [
+                shared_steps(self.old.paths[old], self.new.paths[new])
+                for old, new in zip(olds.tolist(), news.tolist(), strict=True)
+            ],
+            dtype=np.intp,
+        )
+        most = np.zeros(len(self.old.keys), dtype=np.intp)
+        np.maximum.at(most, olds, shared)
+        is_likest = (shared > 0) & (shared == most[olds])
+        return olds[is_likest], news[is_likest]
+
+    def _cells(self, motions: Floats) -> npt.NDArray[np.int64]:
+        """Motions in units that are larger than tolerances."""
+        return np.rint(motions / (2.0 * (DEPTH_GROWTH_M + self.rounding))).astype(np.int64)
+
+    def _different(self, motions: Sequence[Floats]) -> list[Floats]:
+        """The motions without those that are about zero, or about equal to an earlier one."""
+        cells = [tuple(cell) for cell in self._cells(np.array([_NO_SHIFT, *motions])).tolist()]
+        return [motion for n, motion in enumerate(motions, 1) if cells.index(cells[n]) == n]
 
     def _frequent(self, motions: Floats) -> list[Floats]:
         """The most frequent of some motions (n, 3), within a tolerance."""
         if not len(motions):
             return []
-        cell = 2.0 * (DEPTH_GROWTH_M + self.rounding)
-        places = np.rint(motions / cell).astype(np.int64)
+        places = self._cells(motions)
         _, first, counts = np.unique(places, axis=0, return_index=True, return_counts=True)
         order = np.lexsort((first, -counts))[:_MOST_SHIFTS]
         return [np.median(motions[(places == places[first[each]]).all(axis=1)], axis=0) for each in order]
@@ -341,8 +382,10 @@ class _Search:
             pairs: list[tuple[int, int]] = []
             if len(some) == len(others) == counts[0][path] == counts[1][path]:
                 shift = self.centres[1][rows[1]].mean(axis=0) - self.centres[0][rows[0]].mean(axis=0)
-                if (np.abs(motions - shift) <= self.reach[rows[0]].max(axis=0)).all(axis=1).any():
-                    pairs = list(self._near(*rows, shift))
+                away = np.abs(motions - shift)
+                if (away <= self.reach[rows[0]].max(axis=0)).all(axis=1).any():
+                    # Not the mean itself: facets that fell elsewhere move the middles of boxes.
+                    pairs = list(self._near(*rows, motions[away.max(axis=1).argmin()]))
             if len(pairs) < len(some):
                 pairs = list(self._nearest(*rows))
             for old, new in pairs:
@@ -352,7 +395,7 @@ class _Search:
         """How parts with paths of their own moved, `(n, 3)` metres."""
         olds, news = self.mates
         rigid = self.are_alike(olds, news)
-        return np.asarray(self.centres[1][news[rigid]] - self.centres[0][olds[rigid]])
+        return self._moves(olds[rigid], news[rigid])
 
     def _nearest(self, olds: Rows, news: Rows) -> Iterable[tuple[int, int]]:
         """Pairs of similar size whose new centre lies inside the old box."""

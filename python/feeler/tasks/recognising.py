@@ -81,10 +81,10 @@ class Recognised:
 def recognised(old: Mapping[str, Seen], new: Mapping[str, Seen]) -> Recognised:
     """Matches the parts of the last run with those of today. Raises `OptionError` if none matches."""
     shapes = _shapes(old, new)
-    new_of_old, is_same = matched(*shapes)
+    new_of_old, is_same, is_ambiguous = matched(*shapes)
     pairs = {a: int(b) for a, b in enumerate(new_of_old.tolist()) if b >= 0}
     pairs.update(_by_place_in_tree(shapes, pairs))
-    if old and new and not pairs:
+    if old and new and not pairs and not is_ambiguous.any():
         raise OptionError(
             f"previous is a run of another mock-up: none of its parts is in this one (0 of {len(old):,}, such as "
             f"{next(iter(old))!r}, match one of {plural(len(new), 'part')}, such as {next(iter(new))!r}, by path or by "
