@@ -515,6 +515,10 @@ def test_groups_without_parts_and_names_given_twice_are_refused() -> None:
     with pytest.raises(OptionError, match="parent of joint 'j' names no part"):
         Mechanism(moved.mockup, [Joint("j", "revolute", [], "a", Z)])
     pin = Joint("crank", "revolute", "b", "c", Z)
+    for ends in ({"limits": (-0.1, 0.1)}, {"slide_limits": (0.0, 0.1)}):
+        closing = Joint("pin", "cylindrical", "b", "c", Z, **ends)
+        with pytest.raises(OptionError, match="joint 'pin' closes a loop and has limits"):
+            Mechanism(moved.mockup, moved.joints, loops=[closing])
     with pytest.raises(OptionError, match="two joints are called 'crank', a loop and another"):
         Mechanism(moved.mockup, moved.joints, loops=[pin])
 

@@ -64,6 +64,11 @@ class Positions:
         self._ends = [self._ends_of(loop) for loop in self.loops]
         taken = [joint.name for joint in (*self.joints, *self.loops)]
         for loop in self.loops:
+            if loop.limits is not None or loop.slide_limits is not None:
+                raise OptionError(
+                    f"joint {loop.name!r} closes a loop and has limits, and its value is no number of a position: leave "
+                    "them out, and limit joints of the tree"
+                )
             if taken.count(loop.name) > 1:
                 raise OptionError(
                     f"two joints are called {loop.name!r}, a loop and another: give each a name of its own"
