@@ -42,6 +42,7 @@ from feeler.words import plural
 
 if TYPE_CHECKING:
     from feeler.project.book import Book
+    from feeler.project.parts import PartContent
 
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",), "save": (".json",)}
 _SHOWN = 50
@@ -160,7 +161,7 @@ def maintain(
         before = last_run(book)
     held = feeler.catalogue(str(tools)) if tools is not None else _tools(tool, grip, tool_unit, work.up)
     world = read_checked(work.sources, work.unit, work.up)
-    contents = ()
+    contents: tuple[PartContent, ...] = ()
     if book is not None:
         work = fitted(book, work, world)
         contents = take_mockup(book, world, work)

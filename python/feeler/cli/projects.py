@@ -145,7 +145,7 @@ def fitted(project: Book, work: Work, mockup: feeler.Mockup) -> Work:
     except (ValueError, TypeError, KeyError):
         return work
     names: Names | None = None
-    fits: dict[str, list[str]] = {}
+    fits: dict[str, Any] = {}
     for option in _PATTERNS:
         patterns = getattr(work, option)
         if not patterns or patterns != kept.get(option):
