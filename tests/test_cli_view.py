@@ -19,7 +19,7 @@ from commands import error_of
 from workbench_fake import WAIT_S, Page, bearer, fetch
 
 import feeler
-from feeler.cli.inputs import Choice
+from feeler.cli.projects import Work
 from feeler.cli.view import _Opening, ended_by_signals
 from feeler.plan.catalogue import built_in_text
 from feeler.workbench.document import protocol
@@ -103,8 +103,8 @@ def test_the_page_is_told_what_is_done_and_how_far_it_is() -> None:
     told: list[dict[str, Any]] = []
     with Session(has_threads=False) as session:
         session.subscribe(told.append)
-        opening = _Opening(session, ["sample:engine:100000"], None, Choice(None, None, None), None)
-        opening._open(None, None, None, None)
+        opening = _Opening(session, Work(["sample:engine:100000"]))
+        opening._open()
     loading = [event["fields"]["loading"] for event in told if "loading" in event.get("fields", {})]
     assert loading.pop() is None, "the last is the mock-up"
     shares = [each["share"] for each in loading]
@@ -189,10 +189,10 @@ def test_options_that_cannot_be(tmp_path: Path) -> None:
 
 def test_the_catalogue_is_there_from_the_start_for_all_mockups() -> None:
     with Session(has_threads=False) as session:
-        opening = _Opening(session, ["sample:differential:10000"], None, Choice(None, None, None), None)
+        opening = _Opening(session, Work(["sample:differential:10000"]))
         opening.catalogue = ("tools.toml", built_in_text())
         for _ in range(2):
-            opening._open(None, None, None, None)
+            opening._open()
             assert session.document()["task_catalogue"] == {"name": "tools.toml", "tools": len(feeler.catalogue())}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,11 @@ from browser import (
     troubles,
     wait,
 )
+
+from feeler.cli.projects import Work
+from feeler.cli.view import _Opening
+from feeler.workbench.net.server import Server
+from feeler.workbench.session.session import Session
 
 WIDTHS = (320, 420, 760, 999)
 
@@ -346,6 +352,29 @@ def test_the_first_start_and_a_file_that_is_dropped(context: Any, tmp_path: Path
         page.get_by_role("dialog").get_by_role("button", name="differential").click()
         page.wait_for_function("() => window.feeler.document.mockup?.name === 'differential'")
         assert troubles(page) == []
+
+
+def test_a_file_is_refused_until_the_first_mock_up_is_there(context: Any, tmp_path: Path) -> None:
+    path = tmp_path / "chosen.stl"
+    path.write_bytes(block(30.0))
+    go_on = threading.Event()
+    with Session() as session, Server(session) as server:
+        opening = _Opening(session, Work(["sample:differential:10000"]))
+        session.openings.begin(lambda: go_on.wait() and opening._run())
+        session.openings.offer(opening.again)
+        page = context.new_page()
+        page.goto(server.url)
+        page.get_by_text("starting").wait_for()
+        choose(page, path)
+        refused = page.get_by_text("A mock-up is being opened")
+        refused.wait_for()
+        go_on.set()
+        ready(page)
+        assert document(page)["mockup"]["name"] == "differential"
+        refused.wait_for(state="detached")
+        choose(page, path)
+        page.get_by_role("heading", name="chosen.stl").wait_for()
+        page.close()
 
 
 def test_a_start_that_failed_offers_another_file(context: Any, tmp_path: Path) -> None:

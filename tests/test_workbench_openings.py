@@ -18,7 +18,7 @@ from workbench_fake import FILES as PAGE_FILES
 from workbench_fake import WAIT_S, FakeSession, Page, bearer, fetch
 
 import feeler
-from feeler.cli.inputs import Choice
+from feeler.cli.projects import Work
 from feeler.cli.view import _Opening
 from feeler.errors import WorkbenchError
 from feeler.workbench.document import protocol
@@ -80,6 +80,11 @@ def wait(opened: Opened, openings: Openings) -> None:
     """Until the opener is done, and the thread that called it."""
     assert opened.done.wait(WAIT_S)
     opened.done.clear()
+    wait_for_openings()
+
+
+def wait_for_openings() -> None:
+    """Until no mock-up is being opened."""
     for thread in threading.enumerate():
         if thread.name == "feeler opening":
             thread.join(WAIT_S)
@@ -215,6 +220,36 @@ def test_one_is_opened_at_a_time_and_none_after_the_end(openings: Openings, open
         openings.request(OpenMockup(3, None, "gearbox", None))
 
 
+def test_what_the_command_opens_is_not_overtaken(openings: Openings, opened: Opened) -> None:
+    go_on, order = threading.Event(), []
+
+    def slow() -> None:
+        assert go_on.wait(WAIT_S)
+        order.append("command")
+
+    openings.begin(slow)
+    with pytest.raises(WorkbenchError, match="being opened"):
+        openings.request(OpenMockup(1, None, "gearbox", None))
+    assert opened.wanted == []
+    go_on.set()
+    wait_for_openings()
+    openings.request(OpenMockup(2, None, "gearbox", None))
+    wait(opened, openings)
+    assert order == ["command"] and len(opened.wanted) == 1
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_after_a_start_that_went_wrong_pages_open_another(openings: Openings, opened: Opened) -> None:
+    def wrong() -> None:
+        raise RuntimeError("broken")
+
+    openings.begin(wrong)
+    wait_for_openings()
+    openings.request(OpenMockup(1, None, "gearbox", None))
+    wait(opened, openings)
+    assert len(opened.wanted) == 1
+
+
 def test_without_an_offer_nothing_is_opened() -> None:
     made = Openings()
     assert made.facts() is None
@@ -313,9 +348,7 @@ def loaded(session: Session, openings: Openings, files: dict[str, bytes], unit: 
         for at, data in enumerate(files.values()):
             openings.request(FilePiece(1, number, at, np.frombuffer(data, np.uint8)))
     openings.request(OpenMockup(1, number, None, unit))
-    for thread in threading.enumerate():
-        if thread.name == "feeler opening":
-            thread.join(WAIT_S)
+    wait_for_openings()
     return {**session.document()}
 
 
@@ -323,12 +356,10 @@ def test_a_file_replaces_the_sample_and_its_unit_is_corrected(capsys: pytest.Cap
     notices: list[str] = []
     with Session(has_threads=False) as session:
         session.subscribe(lambda event: notices.append(event["text"]) if event["type"] == "notice" else None)
-        opening = _Opening(
-            session, ["sample:differential:10000"], "sample:wrench", Choice(None, ["*bolt*"], None), None
-        )
+        opening = _Opening(session, Work(["sample:differential:10000"], "sample:wrench", without=["*bolt*"]))
         opening.is_tool_kept = False
         session.openings.offer(opening.again)
-        assert opening._run(None, None, None, 1)
+        assert opening._run()
         first = session.document()
         assert first["tool"] is not None and first["doubts"] == []
         session.command("hide", {"parts": [0]})
@@ -354,9 +385,9 @@ def test_a_file_replaces_the_sample_and_its_unit_is_corrected(capsys: pytest.Cap
 def test_after_a_file_that_failed_at_the_start_another_is_opened(tmp_path: Path) -> None:
     (tmp_path / "bad.stl").write_text("<b>nonsense</b>")
     with Session(has_threads=False) as session:
-        opening = _Opening(session, [str(tmp_path / "bad.stl")], None, Choice(None, None, None), None)
+        opening = _Opening(session, Work([str(tmp_path / "bad.stl")]))
         session.openings.offer(opening.again)
-        assert not opening._run(None, None, None, 1) and opening.is_failed
+        assert not opening._run() and opening.is_failed
         assert session.document()["failed"]
         document = loaded(session, session.openings, {"good.stl": cube(100.0)})
         assert document["failed"] is None and document["mockup"]["parts"] == 1 and not opening.is_failed

@@ -8,7 +8,7 @@ import type { CardAnswer, Document, Manifest, State } from "../src/link/protocol
 import { IDENTITY } from "../src/math/matrix";
 import type { Vec3 } from "../src/math/vectors";
 import { touchedParts } from "../src/model/contact";
-import { patched } from "../src/model/document";
+import { patched, shownMockup } from "../src/model/document";
 import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/model/sections";
 import { DEFAULTS, loadSettings } from "../src/model/settings";
 import { Store } from "../src/model/store";
@@ -133,6 +133,25 @@ test("notices of the same text stand once, and not more than three", () => {
   );
   store.dismiss(store.notices.value[0]?.id ?? -1);
   assert.equal(store.notices.value.length, 2);
+});
+
+test("what was refused for a reason that is over goes, and other notices stay", () => {
+  const store = new Store();
+  store.notify("error", "a", "while loading");
+  store.notify("error", "b", "hide");
+  store.notify("warning", "c");
+  store.dismissOf("while loading");
+  assert.deepEqual(
+    store.notices.value.map((notice) => notice.text),
+    ["b", "c"],
+  );
+});
+
+test("a mock-up is not shown while another one is loading", () => {
+  const loading = { stage: "reading", share: 0.5 };
+  assert.equal(shownMockup(DOCUMENT)?.name, "engine");
+  assert.equal(shownMockup(patched(DOCUMENT, { loading })), null);
+  assert.equal(shownMockup(null), null);
 });
 
 test("of notices that only inform the newest stands", () => {

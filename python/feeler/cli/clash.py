@@ -26,7 +26,7 @@ from feeler.cli.inputs import (
     indexed,
     read_checked,
 )
-from feeler.cli.projects import Work, files_of, named_project, open_for_writing, take_mockup
+from feeler.cli.projects import Work, files_of, fitted, named_project, open_for_writing, take_mockup
 from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -178,7 +178,7 @@ def clash(
         before = book.clashes()
         kept = _kept(context, book, clearance, contact, rules)
         clearance, contact = kept.clearance, "chord" if kept.contact is None else kept.contact
-    mockup, without, only = work.sources, work.without, work.only
+    mockup = work.sources
     if _is_saved(mockup):
         _check_saved(context, targets)
         found = room.load_clashes(mockup[0])
@@ -187,6 +187,7 @@ def clash(
     else:
         world = read_checked(mockup, work.unit, work.up, chord_tolerance)
         if book is not None:
+            work = fitted(book, work, world)
             take_mockup(book, world, work)
             before = book.clashes()
             if kept is not None and given is None:
@@ -194,7 +195,7 @@ def clash(
                 given = renamed(kept.parsed(f"the rules of {named}"), lambda one: names.pattern(one, world.parts))
         if before is not None:
             check_previous(world, before)
-        scene = indexed(world, without, only, threads)
+        scene = indexed(world, work.without, work.only, threads)
         try:
             with bar("looking for clashes") as progress:
                 found = feeler.clash(

@@ -30,7 +30,7 @@ from feeler.cli.inputs import (
     read_checked,
     read_tool,
 )
-from feeler.cli.projects import Work, files_of, named_project, open_for_writing, take_mockup
+from feeler.cli.projects import Work, files_of, fitted, named_project, open_for_writing, take_mockup
 from feeler.cli.values import POSITION, SECONDS, SEED
 from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
@@ -42,6 +42,7 @@ from feeler.words import plural
 
 if TYPE_CHECKING:
     from feeler.project.book import Book
+    from feeler.project.parts import PartContent
 
 _ENDINGS = {"html": (".html",), "xlsx": (".xlsx",), "save": (".json",)}
 _SHOWN = 50
@@ -160,7 +161,10 @@ def maintain(
         before = last_run(book)
     held = feeler.catalogue(str(tools)) if tools is not None else _tools(tool, grip, tool_unit, work.up)
     world = read_checked(work.sources, work.unit, work.up)
-    contents = () if book is None else take_mockup(book, world, work)
+    contents: tuple[PartContent, ...] = ()
+    if book is not None:
+        work = fitted(book, work, world)
+        contents = take_mockup(book, world, work)
     scene = Choice(None, work.without, work.only).scene_of(indexed(world, None, None, threads))
     listed: Any = part if parts is None else Path(parts)
     options: dict[str, Any] = {

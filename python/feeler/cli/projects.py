@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import feeler
 from feeler.errors import LoadError, MissingFileError, OptionError, ProjectError
+from feeler.io.load import is_saved
 
 if TYPE_CHECKING:
     from feeler.project.book import Book
@@ -19,8 +22,13 @@ if TYPE_CHECKING:
 _SUFFIX = ".feelproj"
 _SAMPLE = "sample:"
 _MOST_SOURCES = 10_000
-_NO_TOOL = "sample:wrench"
-"""For commands without the tool of the project: that may be gone."""
+_FACT = "opened"
+_WORDS = ("unit", "up")
+_PATTERNS = ("without", "only")
+_EMPTY: Mapping[str, Any] = MappingProxyType(
+    {"sources": [], "tool": None, "tool_unit": None, "unit": None, "up": None, "without": [], "only": []}
+)
+"""What a project keeps if nothing is given."""
 
 ProjectFile = Annotated[
     Path | None,
@@ -33,7 +41,7 @@ ProjectFile = Annotated[
 
 @dataclass(frozen=True)
 class Work:
-    """What a project is opened with: files or a sample, the tool, and the options of both."""
+    """What a project is opened with: files or a sample, the tool, and the options of both; None: not given."""
 
     sources: list[str]
     tool: str | None = None
@@ -82,88 +90,148 @@ def open_named(path: Path, read_only: bool = False, *, can_read_only: bool = Tru
         raise ProjectError(said if can_read_only else said.partition(offer)[0]) from None
 
 
-def work_of(project: Book, given: Work) -> Work:
-    """What a project was opened with last, for one that is opened without a mock-up; given options come first.
-
-    Raises `OptionError` if it names no mock-up, `MissingFileError` if that is gone, and `LoadError`.
-    """
-    known = project.fact("opened")
-    if known is None:
-        raise OptionError(
-            f"{project.path} does not say where its mock-up is: give the mock-up, too, and --project FILE"
-        )
-    try:
-        if not isinstance(known, dict) or not 0 < len(known["sources"]) < _MOST_SOURCES:
-            raise ValueError
-        sources = [_found(project, each) for each in known["sources"]]
-        tool = given.tool or (None if known["tool"] is None else _found(project, known["tool"]))
-        words = {name: known[name] for name in ("tool_unit", "unit", "up")}
-        patterns = {name: known[name] for name in ("without", "only")}
-        if not all(value is None or isinstance(value, str) for value in words.values()):
-            raise ValueError
-        if not all(isinstance(each, str) for value in patterns.values() for each in value):
-            raise ValueError
-    except MissingFileError:
-        raise
-    except (ValueError, TypeError, KeyError):
-        raise LoadError(f"{project.path} is damaged: its mock-up is not as written; give the mock-up, too") from None
-    if given.tool is not None:
-        words["tool_unit"] = None
-    mine = {each.name: getattr(given, each.name) for each in fields(Work) if each.name in {*words, *patterns}}
-    chosen = {**words, **patterns, **{name: value for name, value in mine.items() if value}}
-    return replace(Work(sources, tool), **chosen)
-
-
 def open_for_writing(context: typer.Context, path: Path, given: Work) -> tuple[Book, Work]:
-    """The project, which is closed at the end of the command, with the given files, or the mock-up that it names.
+    """The project, which is closed at the end of the command, and what is `completed` from it.
 
-    Raises the errors of `open_named` and `work_of`.
+    Raises the errors of `open_named` and `completed`.
     """
     book = open_named(path, can_read_only=False)
     context.call_on_close(book.close)
-    return book, given if given.sources else mockup_of(book, given)
+    return book, completed(book, given)
 
 
-def mockup_of(project: Book, given: Work) -> Work:
-    """As `work_of`, without the tool."""
-    return replace(work_of(project, replace(given, tool=_NO_TOOL)), tool=None)
+def completed(project: Book, given: Work, *, has_tool: bool = False) -> Work:
+    """What is given, and all else as the project was opened with it last: the mock-up if no file is given, the options.
 
-
-def with_options(project: Book, given: Work) -> Work:
-    """The given files with the options that the project was opened with; without files, the mock-up that it names."""
-    if not given.sources:
-        return mockup_of(project, given)
+    has_tool: the tool, too; beside files that are given it may be gone.
+    Raises `OptionError` if there is no mock-up, `MissingFileError` if that of the project is gone, and `LoadError`.
+    """
+    known = project.fact(_FACT)
+    if not given.sources and (known is None or (isinstance(known, dict) and known.get("sources") == [])):
+        raise OptionError(
+            f"{project.path} does not say where its mock-up is: give the mock-up, too, and --project FILE"
+        )
+    tool, its_unit = given.tool, given.tool_unit
     try:
-        known = mockup_of(project, given)
-    except (MissingFileError, OptionError, LoadError):
-        return given
-    return replace(known, sources=given.sources)
+        sources = given.sources or _sources_of(project, known)
+        if has_tool and tool is None:
+            tool, kept_unit = _tool_of(project, known, may_be_gone=bool(given.sources))
+            its_unit = its_unit or kept_unit
+        kept = _options_of(known)
+    except MissingFileError:
+        raise
+    except (ValueError, TypeError, KeyError):
+        if not given.sources:
+            raise LoadError(
+                f"{project.path} is damaged: its mock-up is not as written; give the mock-up, too"
+            ) from None
+        kept, sources = {}, given.sources
+    if sources[0].startswith(_SAMPLE) or is_saved(sources):
+        kept |= dict.fromkeys(_WORDS)  # these are as they were made
+    if given.without or given.only:
+        kept |= {name: [] for name in _PATTERNS}  # the choice of parts is one
+    return replace(Work(sources, tool, its_unit), **(kept | _given_options(given)))
 
 
-def tool_of(project: Book) -> tuple[str | None, str | None]:
-    """The tool that a project was opened with last, and its unit; None if it is not there."""
-    known = project.fact("opened")
+def fitted(project: Book, work: Work, mockup: feeler.Mockup) -> Work:
+    """With the patterns that the project keeps as its parts are called in this mock-up.
+
+    Raises `OptionError` if one of them names no part any more.
+    """
+    from feeler.project.renaming import Names, named_parts
+
     try:
-        return _found(project, known["tool"]), None if known["tool_unit"] is None else str(known["tool_unit"])
-    except (ValueError, TypeError, KeyError, MissingFileError):
-        return None, None
+        kept = _options_of(project.fact(_FACT))
+    except (ValueError, TypeError, KeyError):
+        return work
+    names: Names | None = None
+    fits: dict[str, Any] = {}
+    for option in _PATTERNS:
+        patterns = getattr(work, option)
+        if not patterns or patterns != kept.get(option):
+            continue
+        for pattern in patterns:
+            here = pattern
+            if not named_parts(pattern, mockup.parts):
+                names = names or (Names.of(project.revision(mockup)) if project.parts() else Names())
+                here = names.pattern(pattern, mockup.parts)
+            if not named_parts(here, mockup.parts):
+                raise OptionError(
+                    f"{project.path} keeps --{option} {pattern!r}, which names no part of this mock-up: give "
+                    f'--{option} again, or --only "*" for all parts'
+                )
+            fits.setdefault(option, []).append(here)
+    return replace(work, **fits)
 
 
 def keep_work(project: Book, work: Work) -> None:
-    """Writes into a project which files and options it was opened with. Paths are kept relative to it, and absolute."""
+    """Writes into a project which files, tool and options it was opened with.
+
+    Paths are kept relative to it, and absolute. Options that are not given stay as they are.
+    """
+    _keep(project, _facts(project, work))
+
+
+def unplaced(work: Work) -> dict[str, Any]:
+    """What a project keeps of the options, which names no file: for one that is downloaded."""
+    return {**_EMPTY, **_given_options(work)}
+
+
+def _keep(project: Book, facts: dict[str, Any]) -> None:
     from feeler.project.book import dumps
     from feeler.project.store import put
 
-    facts = _facts(project, work)
-    if project.fact("opened") != facts:
-        project.write([put("facts", "opened", 0, dumps(facts))])
+    if project.fact(_FACT) != facts:
+        project.write([put("facts", _FACT, 0, dumps(facts))])
 
 
 def _facts(project: Book, work: Work) -> dict[str, Any]:
-    facts: dict[str, Any] = asdict(work)
-    facts["sources"] = [_place(project, each) for each in work.sources]
-    facts["tool"] = None if work.tool is None else _place(project, work.tool)
-    return {**facts, "without": work.without or [], "only": work.only or []}
+    try:
+        kept = _options_of(project.fact(_FACT))
+    except (ValueError, TypeError, KeyError):
+        kept = {}
+    facts = {**_EMPTY, **kept, **_given_options(work), "sources": [_place(project, each) for each in work.sources]}
+    return {**facts, "tool": None if work.tool is None else _place(project, work.tool), "tool_unit": work.tool_unit}
+
+
+def _given_options(work: Work) -> dict[str, Any]:
+    """The options of the mock-up that are given."""
+    return {name: value for name in (*_WORDS, *_PATTERNS) if (value := getattr(work, name)) is not None}
+
+
+def _options_of(known: Any) -> dict[str, Any]:
+    """The options that a project keeps. Raises `ValueError`, `TypeError`, `KeyError` if it is damaged."""
+    if known is None:
+        return {}
+    words = {name: known[name] for name in _WORDS}
+    patterns = {name: list(known[name]) for name in _PATTERNS}
+    if not all(value is None or isinstance(value, str) for value in words.values()):
+        raise ValueError
+    if not all(isinstance(each, str) for value in patterns.values() for each in value):
+        raise ValueError
+    return {**words, **patterns}
+
+
+def _sources_of(project: Book, known: Any) -> list[str]:
+    if not isinstance(known, dict) or not 0 < len(known["sources"]) < _MOST_SOURCES:
+        raise ValueError
+    return [_found(project, each) for each in known["sources"]]
+
+
+def _tool_of(project: Book, known: Any, *, may_be_gone: bool) -> tuple[str | None, str | None]:
+    """The tool that a project was opened with last, and its unit; None if it has none."""
+    if known is None or known["tool"] is None:
+        return None, None
+    try:
+        tool = _found(project, known["tool"])
+    except MissingFileError:
+        if may_be_gone:
+            return None, None
+        raise
+    unit = known["tool_unit"]
+    if unit is not None and not isinstance(unit, str):
+        raise ValueError
+    return tool, unit
 
 
 def _names_same(known: Any, places: list[list[str]]) -> bool:
@@ -181,10 +249,9 @@ def _names_same(known: Any, places: list[list[str]]) -> bool:
 
 def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> tuple[PartContent, ...]:
     """Makes a new project one of a mock-up, and returns its parts. Raises `LoadError` for a project of another one."""
-    from feeler.project.book import CHECK, dumps
+    from feeler.project.book import CHECK
     from feeler.project.parts import contents_of, rows_of
     from feeler.project.renaming import Names, renaming_changes
-    from feeler.project.store import put
 
     if project.parts():
         revision = project.revision(mockup)
@@ -195,14 +262,13 @@ def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> tuple[PartC
     else:
         parts = contents_of(mockup)
         project.write(rows_of(parts))
-    known = project.fact("opened")
-    if known is None:
-        keep_work(project, work)
-    elif not _names_same(known, [_place(project, each) for each in work.sources]):
-        # Another revision: the project names it from now on. Its tool stays.
-        kept = known if isinstance(known, dict) else {}
-        facts = {**_facts(project, work), **{name: kept.get(name) for name in ("tool", "tool_unit")}}
-        project.write([put("facts", "opened", 0, dumps(facts))])
+    known = project.fact(_FACT)
+    before = known if isinstance(known, dict) else {}
+    facts = _facts(project, work)
+    if _names_same(known, facts["sources"]):
+        facts["sources"] = before["sources"]
+    # Another revision: the project names it from now on. Its tool stays.
+    _keep(project, {**facts, **{name: before.get(name) for name in ("tool", "tool_unit")}})
     return parts
 
 

@@ -14,7 +14,7 @@ import typer
 import feeler
 from feeler.cli.app import INTERRUPTED, command, fail
 from feeler.cli.inputs import AsJson, MockupUnit, Only, Up, Without, read_mockup, warn_of_doubts
-from feeler.cli.projects import Work, files_of, named_project, open_named, with_options
+from feeler.cli.projects import Work, completed, files_of, fitted, named_project, open_named
 from feeler.cli.values import Whole
 from feeler.errors import MissingFileError, OptionError, WriteError
 from feeler.progress import bar
@@ -127,14 +127,14 @@ def _source(book: Book, given: Work) -> Source:
     from feeler.workbench.session.record import digest
 
     try:
-        work = with_options(book, given)
+        work = completed(book, given)
     except (MissingFileError, OptionError) as error:
         text = "The files of the mock-up are not there: this report has no pictures and no films."
         warn(f"{str(error).partition(': give the mock-up')[0]}: the report has no pictures; give the mock-up, too")
         return of_book(book, None, notes=[text])
     mockup = read_mockup(work.sources, work.unit, work.up)
     warn_of_doubts(mockup)
-    absent = _absent(mockup, work)
+    absent = _absent(mockup, fitted(book, work, mockup))
     with bar("comparing parts") as progress:
         return of_book(book, mockup, absent, content=digest(mockup), progress=progress)
 

@@ -23,7 +23,7 @@ from feeler.cli.inputs import (
     indexed,
     read_checked,
 )
-from feeler.cli.projects import Work, files_of, named_project, open_named, with_options
+from feeler.cli.projects import Work, completed, files_of, fitted, named_project, open_named
 from feeler.errors import LoadError, OptionError
 from feeler.progress import Progress, bar
 from feeler.requirements import Requirement, Verified
@@ -81,10 +81,11 @@ def verify(
     if named is not None:
         book = open_named(named, read_only=True)
         context.call_on_close(book.close)
-        work = with_options(book, work)
+        work = completed(book, work)
     world = read_checked(work.sources, work.unit, work.up, chord_tolerance)
-    if book is not None and requirements is None:
-        asked = _kept(book, world)
+    if book is not None:
+        work = fitted(book, work, world)
+        asked = asked if requirements is not None else _kept(book, world)
     scene = indexed(world, work.without, work.only, threads)
     with bar("checking") as progress:
         found = [_checked(scene, asked, number, threads, progress) for number in range(len(asked))]

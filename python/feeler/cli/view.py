@@ -8,10 +8,9 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -34,13 +33,24 @@ from feeler.cli.inputs import (
     read_tool,
     telling,
 )
-from feeler.cli.projects import ProjectFile, Work, files_of, keep_work, named_project, open_named, tool_of, work_of
+from feeler.cli.projects import (
+    ProjectFile,
+    Work,
+    completed,
+    files_of,
+    fitted,
+    keep_work,
+    named_project,
+    open_named,
+    unplaced,
+)
 from feeler.cli.values import Whole, Word
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
 from feeler.progress import Progress
 
 if TYPE_CHECKING:
+    from feeler.project.book import Book
     from feeler.workbench.net.server import Server
     from feeler.workbench.session.benchmark import Opened
     from feeler.workbench.session.openings import Wanted
@@ -186,32 +196,25 @@ def view(
     held = None if device is None else devices.open_device(cast("DeviceDriver", device))
     opening: _Opening | None = None
     with contextlib.suppress(KeyboardInterrupt), ended_by_signals(), contextlib.ExitStack() as ends:
-        work = Work(files or [_SAMPLE], tool, tool_unit, unit, up, without or [], only or [])
+        work = Work([_SAMPLE] if is_sample else files, tool, tool_unit, unit, up, without or None, only or None)
         opened = None
         if named is not None:
             opened = open_named(named, read_only)
             ends.callback(opened.close)
-            if not files and not is_sample:
-                work = work_of(opened, work)
-            elif tool is None:
-                kept, its_unit = tool_of(opened)
-                work = replace(work, tool=kept, tool_unit=tool_unit or its_unit)
+            work = completed(opened, work, has_tool=True)
         session = Session(unit=show_unit, record=record, project=opened)
         ends.callback(session.close)
         server = Server(session, place=place, has_device=held is not None)
         server.start()
         ends.callback(server.close)
-        choice = Choice(None, work.without, work.only)
-        opening = _Opening(session, work.sources, work.tool, choice, held, found)
+        opening = _Opening(session, work, threads, held, found)
         opening.is_tool_kept = is_tool_given
         opening.mechanism, opening.catalogue = joints, tools
-        opening.project = None if opened is None else opened.path
-        if opened is not None and not read_only:
-            opening.on_opened = partial(keep_work, opened, work)
+        opening.project = opened
         ends.callback(opening.close)
+        opening.begin()
         if record is None and opened is None:  # these are of one mock-up
             session.openings.offer(opening.again)
-        opening.begin(work.unit, work.tool_unit, work.up, threads)
         say_where(server, place.is_remote, as_json)
         if browser:
             open_browser(server.url)
@@ -298,10 +301,9 @@ class _Opening:
     def __init__(
         self,
         session: Session,
-        sources: list[str],
-        tool: str | None,
-        choice: Choice,
-        held: devices.Device | None,
+        work: Work,
+        threads: int | None = None,
+        held: devices.Device | None = None,
         findings: Any = None,
     ) -> None:
         """findings: as read by `read_findings`."""
@@ -310,45 +312,37 @@ class _Opening:
         """Whether the tool is in the hand of mock-ups that are opened later, too; else they have it for `take_tool`."""
         self.opened: Opened | None = None
         """Set when the mock-up is read and indexed."""
-        self.project: str | None = None
-        """The path of the project, if there is one."""
+        self.project: Book | None = None
+        """It keeps what was opened, and how, unless it is only read."""
         self.mechanism: tuple[str, str] | None = None
         """The name and the text of a mechanism of the first mock-up."""
         self.catalogue: tuple[str, str] | None = None
         """The name and the text of a catalogue of tools, for all mock-ups."""
-        self.on_opened: Callable[[], object] = lambda: None
-        """Called when the mock-up is in the session."""
         self._findings = findings
-        self._session, self._sources, self._tool = session, sources, tool
-        self._choice, self._held = choice, held
-        self._up: str | None = None
-        self._threads: int | None = None
+        self._session, self._work, self._threads, self._held = session, work, threads, held
         self._probe: feeler.Tool | None = None
         self._hand: Any = None
         self._is_over = False
         self._told = ("", 0.0)
 
-    def begin(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
+    def begin(self) -> None:
         """Starts; the page shows the progress."""
-        self._up, self._threads = up, threads
-        # A daemon thread, so that Ctrl-C does not wait for a large file.
-        threading.Thread(
-            target=self._run, args=(unit, tool_unit, up, threads), name="feeler opening", daemon=True
-        ).start()
+        self._session.openings.begin(self._run)
 
     def again(self, wanted: Wanted) -> bool:
         """Opens another mock-up, or the present one again; returns whether it is open. In the thread of a page."""
         if self._is_over:
             return False
-        kept = (self._sources, self._choice, self._findings)
-        if wanted.sources is not None:
-            self._sources, self._choice = [*wanted.sources], Choice(None, None, None)
-            self._up = None
+        kept = (self._work, self._findings)
+        if wanted.sources is None:
+            self._work = replace(self._work, unit=wanted.unit)
+        else:
+            self._work = Work([*wanted.sources], self._work.tool, self._work.tool_unit, wanted.unit)
         self._findings = None
         self._session.loading("opening", 0.0)
-        is_open = self._run(wanted.unit, None, self._up, self._threads)
+        is_open = self._run()
         if not is_open:
-            self._sources, self._choice, self._findings = kept
+            self._work, self._findings = kept
         return is_open
 
     def unsaved(self) -> str | None:
@@ -362,10 +356,10 @@ class _Opening:
         if self._hand is not None:
             self._hand.close()
 
-    def _run(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> bool:
+    def _run(self) -> bool:
         """Whether it is open."""
         try:
-            self._open(unit, tool_unit, up, threads)
+            self._open()
         except FeelerError as error:
             self._fail(str(error))
         except MemoryError:
@@ -388,7 +382,8 @@ class _Opening:
 
     def _for_pages(self, text: str) -> str:
         """A text with files by their names: the page must not show paths of the disk."""
-        for source in filter(None, (*self._sources, self._tool, self.project)):
+        project = None if self.project is None else self.project.path
+        for source in filter(None, (*self._work.sources, self._work.tool, project)):
             for path in (str(Path(source).resolve()), source):
                 if len(Path(path).parts) > 1:  # a bare name stays
                     text = text.replace(path, Path(source).resolve().name)
@@ -407,32 +402,36 @@ class _Opening:
 
         return tell
 
-    def _open(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
+    def _open(self) -> None:
         from feeler.cli.outputs import warn
         from feeler.workbench.session.benchmark import Opened
 
-        session = self._session
+        session, work = self._session, self._work
         begun = time.perf_counter()
-        world = read_mockup(self._sources, unit, up, also=self._telling(0.0, _READ))
+        world = read_mockup(work.sources, work.unit, work.up, also=self._telling(0.0, _READ))
         is_first = session.current.mockup is None
-        if self._tool is not None and self._probe is None:
-            self._probe = read_tool(self._tool, tool_unit, up)
+        if self.project is not None:
+            work = fitted(self.project, work, world)
+        if work.tool is not None and self._probe is None:
+            self._probe = read_tool(work.tool, work.tool_unit, work.up)
         probe = self._probe
-        in_hand = probe if self.is_tool_kept or self._sources[0].startswith("sample:") else None
+        in_hand = probe if self.is_tool_kept or work.sources[0].startswith("sample:") else None
         doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
         doubts += [f"tool: {doubt}" for doubt in probe.source.doubts] if probe is not None else []
         for doubt in doubts:
             warn(doubt)
         read = time.perf_counter()
         with telling("indexing", self._telling(_READ, _INDEXED)) as progress:
-            scene = feeler.Scene(world, tool=in_hand, threads=threads, progress=progress)
+            scene = feeler.Scene(world, tool=in_hand, threads=self._threads, progress=progress)
         self.opened = Opened(read - begun, time.perf_counter() - read, time.time())
-        scene = self._choice.scene_of(scene)
+        scene = Choice(None, work.without, work.only).scene_of(scene)
         self._telling(_INDEXED, 1.0)(0.0, "packing the picture")
         shown = [self._for_pages(doubt) for doubt in doubts]
         tools = [] if probe is None else [probe]
-        session.open(world, scene, in_hand, tools=tools, name=name_of(self._sources), doubts=shown)
-        self.on_opened()
+        name = name_of(work.sources)
+        session.open(world, scene, in_hand, tools=tools, name=name, doubts=shown, kept=unplaced(work))
+        if self.project is not None and not self.project.is_read_only:
+            keep_work(self.project, work)
         if self._findings is not None:
             doubt = session.load_findings(self._findings)
             if doubt:

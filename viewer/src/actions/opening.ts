@@ -14,6 +14,9 @@ export const suffixOf = (name: string): string => /\.[^./\\]+$/.exec(name)?.[0].
 /** The suffix of projects, which the command opens: a page cannot name the file that is to be saved. */
 const PROJECT = ".feelproj";
 
+/** `Notice.of` of what was refused while a mock-up was loading. */
+export const WHILE_LOADING = "while loading";
+
 /** Why these files cannot be opened, in a sentence; null: they can. */
 export function whyNot(files: readonly Pick<File, "name" | "size">[], opens: Opens): string | null {
   const [first] = files;
@@ -86,7 +89,7 @@ export async function openFiles(wb: Workbench, files: readonly File[], unit: str
     const number = await sendFiles(wb, files, "open");
     if (number !== null) await link?.openMockup({ files: number, sample: null, unit });
   } catch (error) {
-    wb.tell(error);
+    refused(wb, error);
   }
 }
 
@@ -105,6 +108,11 @@ async function asked(wb: Workbench, what: { files: null; sample: string | null; 
   try {
     await wb.link?.openMockup(what);
   } catch (error) {
-    wb.tell(error);
+    refused(wb, error);
   }
+}
+
+/** What is refused because a mock-up is loading stands until that is over. */
+function refused(wb: Workbench, error: unknown): void {
+  wb.tell(error, wb.document?.loading ? WHILE_LOADING : undefined);
 }

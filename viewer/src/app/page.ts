@@ -2,6 +2,7 @@
 
 import { pictureFor } from "../actions/exports";
 import { lookAtFinding } from "../actions/findings";
+import { WHILE_LOADING } from "../actions/opening";
 import { Workbench } from "../actions/workbench";
 import { listenToDrops } from "../input/drop";
 import { listenToKeys } from "../input/keys";
@@ -24,7 +25,7 @@ import { fromAxes } from "../math/matrix";
 import { isSame } from "../math/same";
 import { formatCount } from "../math/units";
 import { corners, emptyBox, include, scale, transform, union, type Vec3 } from "../math/vectors";
-import { patched } from "../model/document";
+import { patched, shownMockup } from "../model/document";
 import { FindingList } from "../model/findings";
 import { Hand } from "../model/hand";
 import { OfflineReplay } from "../model/offline-replay";
@@ -287,7 +288,8 @@ export class Page {
 
   private takeDocument(document: Document): void {
     this.store.document.value = document;
-    const hash = document.loading || document.failed ? null : (document.mockup?.hash ?? null);
+    if (!document.loading) this.store.dismissOf(WHILE_LOADING);
+    const hash = shownMockup(document)?.hash ?? null;
     if (hash !== this.loaded_hash) this.loadGeometry(hash);
   }
 

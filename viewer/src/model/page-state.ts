@@ -9,7 +9,7 @@ export interface Notice {
   readonly id: number;
   readonly level: "info" | "warning" | "error";
   readonly text: string;
-  /** The command that was refused. */
+  /** The command that was refused, or when. */
   readonly of: string | undefined;
 }
 

@@ -263,6 +263,11 @@ export class Store {
     this.notices.value = this.notices.peek().filter((notice) => notice.text !== text);
   }
 
+  /** Takes away what was refused for a reason that is over. */
+  dismissOf(of: string): void {
+    for (const notice of this.notices.peek()) if (notice.of === of) this.dismiss(notice.id);
+  }
+
   dismiss(id: number): void {
     this.notices.value = this.notices.peek().filter((notice) => notice.id !== id);
   }

@@ -2,7 +2,7 @@
 
 import { hint, runCommand } from "../actions/commands";
 import { formatCount } from "../math/units";
-import { MODES } from "../model/document";
+import { MODES, shownMockup } from "../model/document";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 import { Icon } from "./icons";
@@ -14,7 +14,7 @@ export function Bar() {
   const wb = useWorkbench();
   const { store } = wb;
   const document = store.document.value;
-  const mockup = document?.mockup;
+  const mockup = shownMockup(document);
   const settings = store.settings.value;
   const doubts = document?.doubts.length ?? 0;
   return (

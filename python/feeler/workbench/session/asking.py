@@ -99,6 +99,7 @@ class Place:
     exports: files written by jobs, by name. files: sent by pages. taken: findings of jobs. cards: the answer of a
     card. recorded: the record to replay, if there is one. history, run, renamed: of a project: statuses, the last run
     of `feeler maintain`, and the names of parts now. joint_to: shows a joint at a value. tool: of a card, by its name.
+    kept: how the mock-up was read, as a project keeps it.
     """
 
     document: Document
@@ -116,6 +117,7 @@ class Place:
     joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
     tool: Callable[[Card, str], Tool] | None = None
     renamed: Callable[[], Mapping[str, str]] = dict
+    kept: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -301,7 +303,7 @@ def project_file(place: Place, given: Arguments, progress: Progress) -> Written:
     progress(0.0, "project")
     named = place.document.mockup.name if place.document.mockup else "mock-up"
     name = (re.sub(r"[^A-Za-z0-9_.-]+", "-", named).strip("-.")[:80] or "mock-up") + SUFFIX
-    data = saving.project_of(place.document, place.scene.mockup)
+    data = saving.project_of(place.document, place.scene.mockup, place.kept)
     place.exports[name] = data
     return {"name": name, "bytes": len(data)}
 

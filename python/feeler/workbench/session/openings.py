@@ -54,6 +54,12 @@ class Openings:
         """Lets pages open mock-ups."""
         self._opener = opener
 
+    def begin(self, work: Callable[[], object]) -> None:
+        """Opens the mock-up that the workbench was started with, in a thread; pages open another one after it."""
+        with self._lock:
+            self._is_opening = True
+        _start(self._first, work)
+
     def facts(self) -> Opens | None:
         """What pages may open; None: nothing."""
         if self._opener is None:
@@ -100,8 +106,7 @@ class Openings:
             self._is_opening = True
         if by is not None:
             self._tell(f"{by} {_what(wanted)}")
-        work = (wanted, message.files, opener)
-        threading.Thread(target=self._run, args=work, name="feeler opening", daemon=True).start()
+        _start(self._run, wanted, message.files, opener)
 
     def _wanted(self, message: OpenMockup) -> Wanted:
         if message.files is not None and message.sample is not None:
@@ -116,6 +121,13 @@ class Openings:
             return Wanted(None, message.unit)
         return Wanted(_meshes(self.files.whole(message.files, "open")), message.unit)
 
+    def _first(self, work: Callable[[], object]) -> None:
+        try:
+            work()
+        finally:
+            with self._lock:
+                self._is_opening = False
+
     def _run(self, wanted: Wanted, number: int | None, opener: Opener) -> None:
         is_open = False
         try:
@@ -128,6 +140,11 @@ class Openings:
                     self.files.keep(number)
                 elif not is_open and number is not None:
                     self.files.drop(number)
+
+
+def _start(work: Callable[..., object], *args: object) -> None:
+    # A daemon thread, so that Ctrl-C does not wait for a large file.
+    threading.Thread(target=work, args=args, name="feeler opening", daemon=True).start()
 
 
 def _what(wanted: Wanted) -> str:

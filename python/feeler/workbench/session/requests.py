@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from feeler.arguments import near
@@ -37,6 +37,7 @@ class Requests:
         self._jobs: Jobs | None = None
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
+        self._kept: Mapping[str, Any] | None = None
         self._files = files
         self.taken = TakenFindings()
         """Findings of jobs, for the command "findings_take"."""
@@ -47,10 +48,10 @@ class Requests:
         self.joint_to: Callable[[Document, str, float | None], JointPlace] | None = None
         """Shows a joint at a value."""
 
-    def forget(self) -> None:
-        """Another mock-up is open: drops files and caches of the previous one."""
+    def forget(self, kept: Mapping[str, Any] | None) -> None:
+        """Another mock-up is open: drops files and caches of the previous one. kept: how it was read."""
         with self._lock:
-            self._exports, self._sight = {}, None
+            self._exports, self._sight, self._kept = {}, None, kept
             self.taken = TakenFindings()
 
     def place(self, document: Document, hands: Hands, geometry: Geometry, cards: Callable[[int], CardAnswer]) -> Place:
@@ -77,6 +78,7 @@ class Requests:
                 self.joint_to,
                 lambda card, name: tool_called(hands, document, card, name),
                 dict if self.project is None else self.project.renamed,
+                self._kept,
             )
 
     def _run(self) -> RunFacts | None:

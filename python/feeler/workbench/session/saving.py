@@ -301,8 +301,8 @@ def _answer_id(card: int) -> str:
     return f"card {card}"
 
 
-def project_of(document: Document, mockup: Mockup) -> bytes:
-    """A new project of a document, as the bytes of its file."""
+def project_of(document: Document, mockup: Mockup, kept: Mapping[str, Any] | None = None) -> bytes:
+    """A new project of a document, as the bytes of its file. kept: how the files of the mock-up were read."""
     with tempfile.TemporaryDirectory() as folder:
         book = open_or_make(Path(folder) / f"new{SUFFIX}")
         try:
@@ -312,6 +312,7 @@ def project_of(document: Document, mockup: Mockup) -> bytes:
             found = document.findings
             changes = [
                 put("facts", "mockup", 0, dumps(about)),
+                *([] if kept is None else [put("facts", "opened", 0, dumps(dict(kept)))]),
                 *rows_of(contents_of(mockup)),
                 *keeping.changes(None, document),
                 *keeping.check_changes(book, found, is_same_check=False),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -142,13 +142,15 @@ class Session:
         tools: Iterable[Tool] = (),
         name: str | None = None,
         doubts: Iterable[str] = (),
+        kept: Mapping[str, Any] | None = None,
     ) -> None:
         """Opens a mock-up: a new document, with nothing to undo. Prepares the data that the first answers need.
 
         tool: in the hand at first; tools: others for `take_tool`. pose: of the hand at first, default beside the parts
-        of the scene. unit: default as before. name: of the mock-up, default that of its file. doubts: of the loaders. A
-        project that was saved before has its own document, which replaces tool, pose, mode and unit. Raises
-        `WorkbenchError`, `OptionError`, and `LoadError` for a project of another mock-up, or a damaged one.
+        of the scene. unit: default as before. name: of the mock-up, default that of its file. doubts: of the loaders.
+        kept: how it was read, for a project that is downloaded. A project that was saved before has its own document,
+        which replaces tool, pose, mode and unit. Raises `WorkbenchError`, `OptionError`, and `LoadError` for a project
+        of another mock-up, or a damaged one.
         """
         unit = self._document.unit if unit is None else _checked_unit(unit)
         if scene.mockup is not mockup:
@@ -164,7 +166,7 @@ class Session:
             self.joints.open(begun.hands)
             document = self.joints.restored(document)
             self._history = History()
-            self._requests.forget()
+            self._requests.forget(kept)
             self._cards.open(begun.hands, self._kept_answers(document, mockup))
             if self._recorder is not None:
                 self._recorder.header(begun.header)
