@@ -41,7 +41,10 @@ ProjectFile = Annotated[
 
 @dataclass(frozen=True)
 class Work:
-    """What a project is opened with: files or a sample, the tool, and the options of both; None: not given."""
+    """What a project is opened with: files or a sample, the tool, and the options of both; None: not given.
+
+    is_choice_given: `without` or `only` is of this command, not what the project keeps.
+    """
 
     sources: list[str]
     tool: str | None = None
@@ -50,6 +53,7 @@ class Work:
     up: str | None = None
     without: list[str] | None = None
     only: list[str] | None = None
+    is_choice_given: bool = False
 
 
 def named_project(mockup: list[str] | None, option: Path | None, read_only: bool = False) -> Path | None:
@@ -130,6 +134,7 @@ def completed(project: Book, given: Work, *, has_tool: bool = False) -> Work:
         kept |= dict.fromkeys(_WORDS)  # these are as they were made
     if given.without or given.only:
         kept |= {name: [] for name in _PATTERNS}  # the choice of parts is one
+        kept["is_choice_given"] = True
     return replace(Work(sources, tool, its_unit), **(kept | _given_options(given)))
 
 
@@ -267,8 +272,11 @@ def take_mockup(project: Book, mockup: feeler.Mockup, work: Work) -> tuple[PartC
     facts = _facts(project, work)
     if _names_same(known, facts["sources"]):
         facts["sources"] = before["sources"]
-    # Another revision: the project names it from now on. Its tool stays.
-    _keep(project, {**facts, **{name: before.get(name) for name in ("tool", "tool_unit")}})
+    # Another revision: the project names it from now on. Its tool stays, and the parts that it leaves out: one check of
+    # a few parts does not make later ones smaller.
+    is_for_once = bool(before) and work.is_choice_given and work.only != ["*"]
+    stays = ("tool", "tool_unit", *(_PATTERNS if is_for_once else ()))
+    _keep(project, {**facts, **{name: before.get(name) for name in stays}})
     return parts
 
 

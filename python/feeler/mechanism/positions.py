@@ -66,8 +66,8 @@ class Positions:
         for loop in self.loops:
             if loop.limits is not None or loop.slide_limits is not None:
                 raise OptionError(
-                    f"joint {loop.name!r} closes a loop and has limits, and its value is no number of a position: leave "
-                    "them out, and limit joints of the tree"
+                    f"joint {loop.name!r} closes a loop and has limits, which nothing follows: leave them out, and "
+                    "limit joints of the tree"
                 )
             if taken.count(loop.name) > 1:
                 raise OptionError(
