@@ -5,12 +5,13 @@ mod common;
 use std::sync::{Arc, Mutex};
 
 use common::*;
-use feeler_core::geometry::twist::{displaced, Twist};
+use feeler_core::geometry::twist::{displaced, displacement, Twist};
 use feeler_core::geometry::vectors::{add, length, sub};
 use feeler_core::{Point, Pose, Tool};
+use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::simulated::SimulatedOptions;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::{Coupling, Mode, RunnerOptions, Session, SessionOptions, Sides, Start, Wrench};
+use feeler_haptics::{Coupling, MappingOptions, Mode, RunnerOptions, Session, SessionOptions, Sides, Start, Wrench};
 use feeler_shapes::box_mesh;
 
 const TICK: f64 = 1e-3;
@@ -149,13 +150,28 @@ fn a_device_is_granted_and_given_the_same_wherever_the_frame_is() {
 
 #[test]
 fn a_handle_turns_the_tool_about_its_centre() {
-    let place = add(&PLACES[2], &[0.0, 0.0, 1.0]);
-    let given = Arc::new(Mutex::new(Wrench::ZERO));
-    let handle = Told { info: SimulatedOptions::desktop_6dof().info, turn: 0.3, given };
-    let session = session(&place, Coupling::default());
-    let mut sides =
-        Sides::new(session, Box::new(handle), &RunnerOptions::default()).map_err(|refused| refused.error).unwrap();
-    (0..400).for_each(|tick| sides.servo.tick(f64::from(tick) * TICK));
-    let off = sub(&sides.watch.view().device.apply(&place), &add(&place, &[0.0, 0.0, -(DEPTH + GAP)]));
-    assert!(length(&off) < 1e-12, "{off:?}");
+    let place = &PLACES[2];
+    for is_absolute in [false, true] {
+        let info = SimulatedOptions::desktop_6dof().info;
+        let handle = Told { info, turn: 0.3, given: Arc::new(Mutex::new(Wrench::ZERO)) };
+        let mapping = MappingOptions::default().with_is_absolute(is_absolute);
+        let options = RunnerOptions::default().with_mapping(mapping);
+        let made = Sides::new(session(place, Coupling::default()), Box::new(handle), &options);
+        let mut sides = made.map_err(|refused| refused.error).unwrap();
+        (0..400).for_each(|tick| sides.servo.tick(f64::from(tick) * TICK));
+        let device = sides.watch.view().device;
+        let off = sub(&device.apply(place), &add(place, &[0.0, 0.0, -(DEPTH + GAP)]));
+        assert!(length(&off) < 1e-12 && (device.rotation()[2][1] - 0.3_f64.sin()).abs() < 1e-12, "{device:?}");
+    }
+}
+
+/// It has no force, and is told where the tool's frame is to be.
+#[test]
+fn a_mouse_has_the_tool_at_its_pose() {
+    let wanted = at([0.0, 0.0, 0.5], [0.3, 0.0, 0.2]);
+    let options = RunnerOptions::default().with_mapping(MappingOptions::default().with_is_absolute(true));
+    let made = Sides::new(session(&PLACES[2], Coupling::default()), Box::new(Mouse::new(wanted)), &options);
+    let mut sides = made.map_err(|refused| refused.error).unwrap();
+    (0..10).for_each(|tick| sides.servo.tick(f64::from(tick) * TICK));
+    assert!(displacement(&sides.watch.view().device, &wanted, &[0.0; 3]).reach(1.0) < 1e-12);
 }
