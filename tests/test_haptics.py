@@ -69,9 +69,8 @@ def test_the_coupling_is_what_is_felt(scene: feeler.Scene, tool: feeler.Tool) ->
 
 @pytest.mark.parametrize("off", [0.0, 0.3, 3.0, 3000.0])
 def test_a_part_in_its_own_place_is_felt_alike_at_any_distance_from_the_origin(off: float) -> None:
-    place = np.array([off, 0.0, 0.0])
-    plate = box(place + [-0.1, -0.1, -0.02], place + [0.1, 0.1, 0.0])
-    block = box(place + [-0.01, -0.01, 0.001], place + [0.01, 0.01, 0.021])
+    plate = box((off - 0.1, -0.1, -0.02), (off + 0.1, 0.1, 0.0))
+    block = box((off - 0.01, -0.01, 0.001), (off + 0.01, 0.01, 0.021))
     vertices, faces = np.concatenate([plate[0], block[0]]), np.concatenate([plate[1], block[1] + len(plate[0])])
     mockup = feeler.Mockup(vertices, faces, np.repeat([0, 1], 12), ["plate", "block"])
     session = haptics.Session(feeler.Scene(mockup).without("block"), feeler.Tool.of_parts(mockup, ["block"]))
