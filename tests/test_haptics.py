@@ -67,6 +67,20 @@ def test_the_coupling_is_what_is_felt(scene: feeler.Scene, tool: feeler.Tool) ->
     assert pressed(soft, 0.02).force[2] == pytest.approx(0.5, abs=1e-9)
 
 
+@pytest.mark.parametrize("off", [0.0, 0.3, 3.0, 3000.0])
+def test_a_part_in_its_own_place_is_felt_alike_at_any_distance_from_the_origin(off: float) -> None:
+    plate = box((off - 0.1, -0.1, -0.02), (off + 0.1, 0.1, 0.0))
+    block = box((off - 0.01, -0.01, 0.001), (off + 0.01, 0.01, 0.021))
+    vertices, faces = np.concatenate([plate[0], block[0]]), np.concatenate([plate[1], block[1] + len(plate[0])])
+    mockup = feeler.Mockup(vertices, faces, np.repeat([0, 1], 12), ["plate", "block"])
+    session = haptics.Session(feeler.Scene(mockup).without("block"), feeler.Tool.of_parts(mockup, ["block"]))
+    assert session.start(np.eye(4))
+    for k in range(400):
+        step = session.step(at(z=-0.006 * min(1.0, k / 200)))
+    np.testing.assert_allclose(step.force, [0.0, 0.0, 5.02], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(step.torque, 0.0, atol=1e-6)
+
+
 def test_contacts_may_be_found_more_seldom(scene: feeler.Scene, tool: feeler.Tool) -> None:
     session = haptics.Session(scene, tool, collision_hz=100)
     session.start(at(z=0.002))

@@ -137,14 +137,6 @@ pub const FULL_FORCE_IN_S: f64 = 0.004;
 pub const HELD_SHARE: f64 = 0.8;
 /// Share of it that the virtual damper may take of that: each newton second a metre of damping takes stiffness away.
 pub const VIRTUAL_DAMPING_SHARE: f64 = 0.2;
-/// Largest share of the device's limit in rotation that is left to the spring of translation, where the tool's
-/// centre is away from the handle: it turns the handle by its arm. More makes long tools stiffer in translation and
-/// softer in rotation.
-pub const ARM_SHARE: f64 = 0.5;
-/// Reserve for an arm, as a multiple of its use at full translational stiffness, as long as that is less than
-/// [`ARM_SHARE`]: with 9, a short arm takes a tenth of the translational stiffness. More takes less there, and more of
-/// the rotational one.
-pub const ARM_ROOM: f64 = 9.0;
 
 // The passivity observer and controller.
 

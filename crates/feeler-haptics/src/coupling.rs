@@ -21,7 +21,7 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Coupling {
-    /// Of the spring of translation, at the tool's centre, newtons a metre.
+    /// Of the spring of translation, where the hand holds the tool ([`Session::centre`](crate::Session::centre)), newtons a metre.
     pub stiffness_n_per_m: f64,
     /// Of the damper beside it, newton seconds a metre.
     pub damping_n_s_per_m: f64,
@@ -31,7 +31,7 @@ pub struct Coupling {
     pub rotational_damping_nm_s_per_rad: f64,
     /// Largest force, newtons: the spring stretches on at this force.
     pub max_force_n: f64,
-    /// Largest torque, newton metres.
+    /// Largest torque of the spring of rotation, newton metres.
     pub max_torque_nm: f64,
     /// Largest change of the force, newtons a second: of the length of the change, whatever its direction.
     pub slew_n_per_s: f64,
@@ -68,7 +68,7 @@ impl Coupling {
 }
 
 impl Coupling {
-    /// How far from the centre a turn is as stiff as a way, metres; not finite, or 0, where one of the two springs pulls not at all.
+    /// How far from the held point a turn is as stiff as a way, metres; not finite, or 0, where one of the two springs pulls not at all.
     pub fn lever_m(&self) -> f64 {
         (self.rotational_stiffness_nm_per_rad / self.stiffness_n_per_m).sqrt()
     }
@@ -104,8 +104,7 @@ impl Coupling {
         Ok(())
     }
 
-    /// The stiffest useful coupling that a device can hold at its own rate (1 kHz if that is not known), with the tool's
-    /// centre at its handle: full force at 2 mm or 0.05 rad, less if [`limited`](Self::limited) requires it. A fifth of
+    /// The stiffest useful coupling that a device can hold at its own rate (1 kHz if that is not known): full force at 2 mm or 0.05 rad, less if [`limited`](Self::limited) requires it. A fifth of
     /// that if neither damping nor largest stiffness is known.
     pub fn for_device(info: &DeviceInfo) -> Coupling {
         let limits = &info.limits;
@@ -126,25 +125,15 @@ impl Coupling {
         wanted.limited(info, limits.own_rate_hz()).0
     }
 
-    /// The wrench on the hand, world axes, the torque at the tool frame's origin at the device's pose.
+    /// The wrench on the hand, world axes, the torque about the hand.
     ///
-    /// `device`, `proxy`: both `world_from_tool`. `device_twist`, `proxy_twist`: each at its own tool frame's origin,
-    /// world axes. `centre`: the springs' point of action, tool frame. The spring of translation pulls at most with
-    /// `max_force_n` and that of rotation with `max_torque_nm`, at the centre; the dampers add to that, and the arm
-    /// from the centre to the origin adds to the torque: forces for a device go through
+    /// `device`, `proxy`: both `world_from_hand`, the tool's frame with its origin where the hand holds the tool, and there the
+    /// springs act. `device_twist`, `proxy_twist`: each at that origin, world axes. The spring of translation pulls at most with
+    /// `max_force_n` and that of rotation with `max_torque_nm`; the dampers add to that: forces for a device go through
     /// the force loop. At half a turn between the two the torque changes its sign.
-    pub fn wrench(
-        &self,
-        device: &Pose,
-        device_twist: &Twist,
-        proxy: &Pose,
-        proxy_twist: &Twist,
-        centre: &Point,
-    ) -> Wrench {
-        let stretch = displacement(device, proxy, centre);
-        let device_arm = sub(&device.apply(centre), device.translation());
-        let proxy_arm = sub(&proxy.apply(centre), proxy.translation());
-        let rate = proxy_twist.at(&proxy_arm) - device_twist.at(&device_arm);
+    pub fn wrench(&self, device: &Pose, device_twist: &Twist, proxy: &Pose, proxy_twist: &Twist) -> Wrench {
+        let stretch = displacement(device, proxy, &[0.0; 3]);
+        let rate = *proxy_twist - *device_twist;
         let spring = Wrench {
             force: pull(self.stiffness_n_per_m, self.max_force_n, &stretch.linear),
             torque: pull(self.rotational_stiffness_nm_per_rad, self.max_torque_nm, &stretch.angular),
@@ -153,17 +142,17 @@ impl Coupling {
             force: scaled(&rate.linear, self.damping_n_s_per_m),
             torque: scaled(&rate.angular, self.rotational_damping_nm_s_per_rad),
         };
-        (spring + damper).at(&scaled(&device_arm, -1.0))
+        spring + damper
     }
 
-    /// The force of the spring of translation alone, at the centre; arguments as of [`wrench`](Self::wrench).
-    pub(crate) fn spring_force(&self, device: &Pose, proxy: &Pose, centre: &Point) -> Point {
-        pull(self.stiffness_n_per_m, self.max_force_n, &displacement(device, proxy, centre).linear)
+    /// The force of the spring of translation alone; arguments as of [`wrench`](Self::wrench).
+    pub(crate) fn spring_force(&self, device: &Pose, proxy: &Pose) -> Point {
+        pull(self.stiffness_n_per_m, self.max_force_n, &sub(proxy.translation(), device.translation()))
     }
 
     /// The energy in the two springs, joules; arguments as of [`wrench`](Self::wrench).
-    pub fn energy_j(&self, device: &Pose, proxy: &Pose, centre: &Point) -> f64 {
-        let stretch = displacement(device, proxy, centre);
+    pub fn energy_j(&self, device: &Pose, proxy: &Pose) -> f64 {
+        let stretch = displacement(device, proxy, &[0.0; 3]);
         stored(self.stiffness_n_per_m, self.max_force_n, length(&stretch.linear))
             + stored(self.rotational_stiffness_nm_per_rad, self.max_torque_nm, length(&stretch.angular))
     }
@@ -216,27 +205,21 @@ mod tests {
     #[test]
     fn the_hand_is_drawn_to_the_proxy() {
         let coupling = springs(100.0, 100.0);
-        let at_rest =
-            |proxy: &Pose, centre: &Point| coupling.wrench(&Pose::IDENTITY, &Twist::ZERO, proxy, &Twist::ZERO, centre);
-        let above = Pose::IDENTITY.translated(&[0.0, 0.0, 0.001]).unwrap();
-        // A force of 0.7 N upwards; 0.1 m along x from the origin it turns x down behind: -y.
-        let found = at_rest(&above, &[0.1, 0.0, 0.0]);
-        assert!(near(&found, &Wrench { force: [0.0, 0.0, 0.7], torque: [0.0, -0.07, 0.0] }), "{found:?}");
-        let turned = pose_of(&rotation_of(&[0.0, 0.0, 0.1]), &[0.0; 3]).unwrap();
-        let found = at_rest(&turned, &[0.0; 3]);
-        assert!(near(&found, &Wrench { force: [0.0; 3], torque: [0.0, 0.0, 0.3] }), "{found:?}");
-        // Above a handle that is elsewhere, the torque is at that handle.
-        let away = Pose::IDENTITY.translated(&[5.0, 3.0, 0.0]).unwrap();
-        let above = away.translated(&[0.0, 0.0, 0.001]).unwrap();
-        let found = coupling.wrench(&away, &Twist::ZERO, &above, &Twist::ZERO, &[0.1, 0.0, 0.0]);
-        assert!(near(&found, &Wrench { force: [0.0, 0.0, 0.7], torque: [0.0, -0.07, 0.0] }), "{found:?}");
+        for place in [[0.0; 3], [5.0, 3.0, 0.0]] {
+            let device = Pose::IDENTITY.translated(&place).unwrap();
+            let at_rest = |proxy: &Pose| coupling.wrench(&device, &Twist::ZERO, proxy, &Twist::ZERO);
+            let found = at_rest(&device.translated(&[0.0, 0.0, 0.001]).unwrap());
+            assert!(near(&found, &Wrench { force: [0.0, 0.0, 0.7], torque: [0.0; 3] }), "{found:?}");
+            let found = at_rest(&pose_of(&rotation_of(&[0.0, 0.0, 0.1]), &place).unwrap());
+            assert!(near(&found, &Wrench { force: [0.0; 3], torque: [0.0, 0.0, 0.3] }), "{found:?}");
+        }
     }
 
     #[test]
     fn a_spring_pulls_with_its_largest_force_at_the_most() {
         let coupling = springs(2.0, 0.5);
         let far = pose_of(&rotation_of(&[0.0, 0.6, 0.8]), &[0.0, 3.0, 4.0]).unwrap();
-        let found = coupling.wrench(&Pose::IDENTITY, &Twist::ZERO, &far, &Twist::ZERO, &[0.0; 3]);
+        let found = coupling.wrench(&Pose::IDENTITY, &Twist::ZERO, &far, &Twist::ZERO);
         assert!(near(&found, &Wrench { force: [0.0, 1.2, 1.6], torque: [0.0, 0.3, 0.4] }), "{found:?}");
     }
 
@@ -245,7 +228,7 @@ mod tests {
         /// they may.
         #[test]
         fn power_is_minus_the_rate_of_the_energy(
-            turns in (vector(0.7), vector(0.7)), places in (vector(0.01), vector(0.01)), centre in vector(0.3),
+            turns in (vector(0.7), vector(0.7)), places in (vector(0.01), vector(0.01)),
             motion in (vector(1.0), vector(1.0)), most in (0.5..20.0f64, 0.1..5.0f64),
         ) {
             let coupling = springs(most.0, most.1);
@@ -254,30 +237,28 @@ mod tests {
             let twist = Twist { linear: motion.0, angular: motion.1 };
             let h = 1e-6;
             let later = |pose: &Pose, by: f64| displaced(pose, &(twist * by), &[0.0; 3]).unwrap();
-            let energy = |by: f64| coupling.energy_j(&later(&device, by), &proxy, &centre);
+            let energy = |by: f64| coupling.energy_j(&later(&device, by), &proxy);
             let rate = (energy(h) - energy(-h)) / (2.0 * h);
-            let power = coupling.wrench(&device, &Twist::ZERO, &proxy, &Twist::ZERO, &centre).power(&twist);
+            let power = coupling.wrench(&device, &Twist::ZERO, &proxy, &Twist::ZERO).power(&twist);
             prop_assert!((rate + power).abs() < 1e-4 * (1.0 + power.abs()), "{rate} {power}");
             // The proxy is drawn with the opposite wrench, at its own origin.
-            let energy = |by: f64| coupling.energy_j(&device, &later(&proxy, by), &centre);
+            let energy = |by: f64| coupling.energy_j(&device, &later(&proxy, by));
             let rate = (energy(h) - energy(-h)) / (2.0 * h);
-            let power = coupling.wrench(&proxy, &Twist::ZERO, &device, &Twist::ZERO, &centre).power(&twist);
+            let power = coupling.wrench(&proxy, &Twist::ZERO, &device, &Twist::ZERO).power(&twist);
             prop_assert!((rate + power).abs() < 1e-4 * (1.0 + power.abs()), "{rate} {power}");
         }
 
         /// The dampers take power from any motion of the two against each other, and none from one motion of both.
         #[test]
-        fn dampers_take_power(turn in vector(1.5), centre in vector(0.3), motion in (vector(1.0), vector(1.0))) {
+        fn dampers_take_power(turn in vector(1.5), motion in (vector(1.0), vector(1.0))) {
             let coupling =
                 Coupling { damping_n_s_per_m: 2.0, rotational_damping_nm_s_per_rad: 0.1, ..springs(10.0, 10.0) };
             let pose = pose_of(&rotation_of(&turn), &[0.3, 0.2, 0.1]).unwrap();
             let twist = Twist { linear: motion.0, angular: motion.1 };
-            let together = coupling.wrench(&pose, &twist, &pose, &twist, &centre);
+            let together = coupling.wrench(&pose, &twist, &pose, &twist);
             prop_assert!(near(&together, &Wrench::ZERO), "{together:?}");
-            let arm = sub(&pose.apply(&centre), pose.translation());
-            let there = twist.at(&arm);
-            let lost = 2.0 * dot(&there.linear, &there.linear) + 0.1 * dot(&there.angular, &there.angular);
-            let power = coupling.wrench(&pose, &twist, &pose, &Twist::ZERO, &centre).power(&twist);
+            let lost = 2.0 * dot(&twist.linear, &twist.linear) + 0.1 * dot(&twist.angular, &twist.angular);
+            let power = coupling.wrench(&pose, &twist, &pose, &Twist::ZERO).power(&twist);
             prop_assert!((power + lost).abs() < 1e-12 * (1.0 + lost), "{power} {lost}");
         }
     }

@@ -18,16 +18,14 @@ use crate::shading::Shading;
 /// The input of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceInput {
-    /// Where the device wants the tool, `world_from_tool`.
+    /// Where the device has the hand, `world_from_hand`: the tool's frame with its origin where the hand holds the tool.
     pub device: Pose,
-    /// How fast, at the tool frame's origin, world axes.
+    /// How fast, at that origin, world axes.
     pub device_twist: Twist,
-    /// Where the mock-up lets it be, `world_from_tool`.
+    /// Where the mock-up lets it be, `world_from_hand`.
     pub proxy: Pose,
-    /// How fast that moves, at its own tool frame's origin, world axes.
+    /// How fast that moves, at its own origin, world axes.
     pub proxy_twist: Twist,
-    /// Where the springs act, tool frame.
-    pub centre: Point,
     /// How the force of the spring of translation is turned.
     pub shading: Shading,
     /// Since the last tick, seconds.
@@ -36,8 +34,7 @@ pub struct ForceInput {
     pub in_doubt: bool,
 }
 
-/// The force pipeline, once a tick. Its wrench has world axes, the torque at the tool frame's origin at the device's
-/// pose.
+/// The force pipeline, once a tick. Its wrench has world axes, the torque about the hand, where the device has it.
 ///
 /// - [`Coupling::wrench`], without torque if the device has no torque actuators.
 /// - Saturation: one factor scales force and torque, so that the wrench keeps its line of action, until both are within
@@ -87,7 +84,7 @@ struct Last {
 }
 
 impl ForceLoop {
-    /// `coupling`: as it is to be felt, already [`limited`](Coupling::limited_at) to the device. `driven`: by the
+    /// `coupling`: as it is to be felt, already [`limited`](Coupling::limited) to the device. `driven`: by the
     /// device. `limits`: of the device, in the coupling's world. `rate_hz`: of the loop. Errors where the coupling or
     /// the limits are out of their ranges, or the rate is not that of ticks between 0.01 and 50 ms.
     pub fn new(coupling: Coupling, driven: Freedoms, limits: &DeviceLimits, rate_hz: f64) -> Result<ForceLoop> {
@@ -237,7 +234,7 @@ impl ForceLoop {
             && is_tick(input.dt)
             && input.device_twist.is_finite()
             && input.proxy_twist.is_finite()
-            && input.centre.iter().chain(&input.shading.turn).all(|x| x.is_finite())
+            && input.shading.turn.iter().all(|x| x.is_finite())
             && (input.shading.height_m + input.shading.bulge_m).is_finite();
         if !is_sane {
             return None;
@@ -260,21 +257,20 @@ impl ForceLoop {
             max_torque_nm: self.share * self.coupling.max_torque_nm,
             ..self.coupling
         };
-        let (device, proxy, centre) = (&input.device, &input.proxy, &input.centre);
-        let arms = [device, proxy].map(|pose| sub(&pose.apply(centre), pose.translation()));
-        let spring = coupling.spring_force(device, proxy, centre);
+        let (device, proxy) = (&input.device, &input.proxy);
+        let spring = coupling.spring_force(device, proxy);
         let is_full = length(&spring) >= coupling.max_force_n;
         let stiffness = coupling.stiffness_n_per_m;
         let (turned, held_by_shading) = input.shading.turned(&spring, if is_full { 0.0 } else { stiffness }, stiffness);
-        let mut shaded = Wrench { force: sub(&turned, &spring), torque: [0.0; 3] }.at(&scaled(&arms[0], -1.0));
+        let mut shaded = Wrench { force: sub(&turned, &spring), torque: [0.0; 3] };
         let mut proxy_twist = input.proxy_twist;
         if let Some(along) = unit(&turned).filter(|_| turned != spring) {
             // From facet to facet the proxy jumps: across the normal it counts as moving with the device.
-            let rate = sub(&proxy_twist.at(&arms[1]).linear, &input.device_twist.at(&arms[0]).linear);
+            let rate = sub(&proxy_twist.linear, &input.device_twist.linear);
             let across = sub(&rate, &scaled(&along, dot(&rate, &along)));
             proxy_twist.linear = sub(&proxy_twist.linear, &across);
         }
-        let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &proxy_twist, centre);
+        let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &proxy_twist);
         if !self.driven.translation {
             (pulled.force, shaded.force) = ([0.0; 3], [0.0; 3]);
         }
@@ -283,7 +279,7 @@ impl ForceLoop {
         }
         let pulled = saturated(&(pulled + shaded), coupling.max_force_n, coupling.max_torque_nm);
 
-        let stored = coupling.energy_j(device, proxy, centre);
+        let stored = coupling.energy_j(device, proxy);
         if let Some(last) = &self.last {
             // What acted while the device moved: the delay is on the way in and on the way out, and shows as their sum.
             let at = (self.newest + self.sent.len() - self.delay_ticks) % self.sent.len();
@@ -320,8 +316,7 @@ impl ForceLoop {
         if stored == 0.0 {
             return 0.0;
         }
-        let arm = |pose: &Pose| sub(&pose.apply(&input.centre), pose.translation());
-        let rate = input.proxy_twist.at(&arm(&input.proxy)) - input.device_twist.at(&arm(&input.device));
+        let rate = input.proxy_twist - input.device_twist;
         let stiffening = coupling.stiffness_n_per_m * dot(&rate.linear, &rate.linear)
             + coupling.rotational_stiffness_nm_per_rad * dot(&rate.angular, &rate.angular);
         stiffening * (0.5 + self.delay_ticks as f64) * input.dt * input.dt
@@ -365,7 +360,6 @@ mod tests {
             device_twist: Twist::ZERO,
             proxy: Pose::IDENTITY,
             proxy_twist: Twist::ZERO,
-            centre: [0.0; 3],
             shading: Shading::NONE,
             dt: TICK,
             in_doubt: false,
@@ -386,7 +380,7 @@ mod tests {
 
     #[test]
     fn zero_whenever_in_doubt_and_back_by_the_slew() {
-        let doubts: [fn(&mut ForceInput); 12] = [
+        let doubts: [fn(&mut ForceInput); 11] = [
             |i| i.in_doubt = true,
             |i| i.dt = f64::NAN,
             |i| i.dt = 0.0,
@@ -395,7 +389,6 @@ mod tests {
             |i| i.dt = 1e-9,
             |i| i.device_twist.linear[1] = f64::NAN,
             |i| i.proxy_twist.angular[0] = f64::INFINITY,
-            |i| i.centre[2] = f64::NAN,
             |i| i.device = i.device.translated(&[1.0, 0.0, 0.0]).unwrap(),
             |i| i.device = pose_of(&rotation_of(&[0.0, 2.0, 0.0]), i.device.translation()).unwrap(),
             |i| i.proxy = i.proxy.translated(&[0.0, 0.0, 1e90]).unwrap(),
@@ -471,12 +464,11 @@ mod tests {
     fn input() -> impl Strategy<Value = ForceInput> {
         let poses = (vector(0.02), vector(1.0), vector(0.02), vector(1.0));
         let twists = (vector(1.0), vector(10.0), vector(1.0), vector(10.0));
-        (poses, twists, vector(0.2), 1e-4..5e-3f64, 0..20u32).prop_map(|(p, t, centre, dt, odd)| ForceInput {
+        (poses, twists, 1e-4..5e-3f64, 0..20u32).prop_map(|(p, t, dt, odd)| ForceInput {
             device: pose_of(&rotation_of(&p.1), &p.0).unwrap(),
             device_twist: Twist { linear: t.0, angular: t.1 },
             proxy: pose_of(&rotation_of(&p.3), &p.2).unwrap(),
             proxy_twist: Twist { linear: t.2, angular: t.3 },
-            centre,
             shading: Shading { turn: scaled(&t.1, 0.03), height_m: 5e-5, bulge_m: 1e-4 },
             dt: if odd == 1 { f64::NAN } else { dt },
             in_doubt: odd == 0,

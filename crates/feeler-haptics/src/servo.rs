@@ -5,7 +5,7 @@
 //! row is at least the margin away, so a tool of which no point moves farther cannot get there. At the bound the proxy
 //! is held, and the coupling drags. Allocates nothing, and takes no lock.
 
-use feeler_core::geometry::twist::{Twist, Wrench};
+use feeler_core::geometry::twist::{times, Twist, Wrench};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{BOUND_SHARE, OLDEST_SET_S, PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD, STUCK_SHARE};
@@ -22,7 +22,7 @@ use crate::velocity::VelocityEstimate;
 pub struct ServoInput {
     /// Where the device wants the tool, `world_from_tool`.
     pub device: Pose,
-    /// Velocity at the device frame's origin, if reported; else it is computed from the poses.
+    /// Velocity where the hand holds the tool, if reported; else it is computed from the poses.
     pub device_twist: Option<Twist>,
     /// Seconds on the caller's clock.
     pub now: f64,
@@ -49,7 +49,7 @@ pub enum Mode {
 /// The result of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoOutput {
-    /// On the hand, world axes, at the device frame's origin.
+    /// On the hand, world axes, the torque about where it holds the tool.
     pub wrench: Wrench,
     /// Where the servo side has the proxy: near the collision side's, and not checked by it yet.
     pub proxy: Pose,
@@ -64,7 +64,7 @@ pub struct ServoOutput {
 pub struct Servo {
     force: ForceLoop,
     solver: Solver,
-    /// Where the coupling's springs act, tool frame.
+    /// Where the hand holds the tool, tool frame.
     centre: Point,
     device_velocity: VelocityEstimate,
     proxy_velocity: VelocityEstimate,
@@ -75,7 +75,7 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: the springs' point of action,
+    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: where the hand holds the tool,
     /// tool frame.
     pub fn new(
         coupling: Coupling,
@@ -152,9 +152,15 @@ impl Servo {
         };
         // In the air it is where the device is, and moves as that: nothing is felt, not even rounding.
         let proxy = if mode == Mode::Free { input.device } else { proxy };
+        let Ok([device_hand, proxy_hand]) = self.hands(&input.device, &proxy) else {
+            self.let_go();
+            return ServoOutput { wrench: Wrench::ZERO, proxy, age, mode: Mode::Doubt };
+        };
         if self.has_news {
-            self.found =
-                [self.device_velocity.update(&input.device, input.now), self.proxy_velocity.update(&proxy, input.now)];
+            self.found = [
+                self.device_velocity.update(&device_hand, input.now),
+                self.proxy_velocity.update(&proxy_hand, input.now),
+            ];
         }
         let [device_twist, found] = self.found;
         let device_twist = input.device_twist.unwrap_or(device_twist);
@@ -164,16 +170,21 @@ impl Servo {
             _ => Shading::NONE,
         };
         let wrench = self.force.step(&ForceInput {
-            device: input.device,
+            device: device_hand,
             device_twist,
-            proxy,
+            proxy: proxy_hand,
             proxy_twist,
-            centre: self.centre,
             shading,
             dt: input.dt,
             in_doubt,
         });
         ServoOutput { wrench, proxy, age, mode }
+    }
+
+    /// `world_from_hand` of two poses of the tool. Errors where that is beyond the coordinate limit.
+    fn hands(&self, device: &Pose, proxy: &Pose) -> Result<[Pose; 2]> {
+        let hand = |tool: &Pose| tool.translated(&times(tool.rotation(), &self.centre));
+        Ok([hand(device)?, hand(proxy)?])
     }
 
     /// A tick without anything to go by: the force is let go.

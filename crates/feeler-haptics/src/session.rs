@@ -114,7 +114,7 @@ pub struct Seating {
 pub struct Step {
     /// `world_from_tool`, free by the exact test but for seats, and reached by a free motion.
     pub proxy: Pose,
-    /// On the hand, world axes, at the device frame's origin.
+    /// On the hand, world axes, the torque about where it holds the tool: [`Session::centre`].
     pub wrench: Wrench,
     /// Age of the constraints, seconds.
     pub age: f64,
@@ -382,7 +382,8 @@ impl Session {
         self.metric
     }
 
-    /// Where the coupling's springs act, tool frame.
+    /// Where the hand holds the tool, tool frame: the tool's centre of area. There the coupling's springs act, and torque is about it,
+    /// so that a tool feels the same wherever its frame's origin is.
     pub fn centre(&self) -> Point {
         self.metric.centre
     }

@@ -10,14 +10,11 @@
 //!   IEEE Trans. Robotics 21(5), 2005: with a resolution Δ, Coulomb friction f must also absorb the energy of the
 //!   steps: `K <= 2 f / Δ`.
 //!
-//! Both hold in translation and in rotation. If the tool's centre is an arm r from the handle, the spring of
-//! translation turns the handle too: in the plane of arm and force the condition is `C w wᵀ <= diag(b, a)`, with `w =
-//! (1, r)`, `C = K (T / 2 + t) + B` and a the reserved share of the rotational damping, that is `C <= 1 / (1 / b + r² /
-//! a)`: the damping felt at the centre.
+//! Both hold in translation and in rotation, each for itself: the springs act at the handle.
 //!
 //! The bounds do not contain the device's mass: both hold for any.
 
-use crate::constants::{ARM_ROOM, ARM_SHARE, HELD_SHARE, USUAL_HZ, VIRTUAL_DAMPING_SHARE};
+use crate::constants::{HELD_SHARE, USUAL_HZ, VIRTUAL_DAMPING_SHARE};
 use crate::coupling::Coupling;
 use crate::device::DeviceInfo;
 
@@ -193,25 +190,16 @@ impl Least {
 }
 
 impl Coupling {
-    /// The coupling as limited to a device at a rate (hertz; the device's own if that is lower), with the tool's centre
-    /// at the handle; and the reductions. See [`limited_at`](Self::limited_at).
-    pub fn limited(&self, info: &DeviceInfo, rate_hz: f64) -> (Coupling, Limitations) {
-        self.limited_at(info, rate_hz, 0.0)
-    }
-
-    /// This coupling limited to a device at a rate, with the tool's centre `arm_m` (metres) from the handle's
-    /// origin.
+    /// This coupling as limited to a device at a rate (hertz; the device's own if that is lower), and the reductions.
     ///
     /// Spring and damper together stay within 0.8 of Colgate's bound, the damper within a fifth of that; stiffness also
     /// within Abbott and Okamura's bound and the largest that is known of the device, force and torque within the device's.
     /// A resolution of zero is none; a damping, a friction or a largest stiffness of zero is not known, and bounds nothing.
     /// Damping is never added. A rate that is not above zero holds nothing. Where the damping is not known, the largest
     /// stiffness, or the wanted one, is for a loop of 1 kHz without delay, and falls in proportion in slower ones.
-    pub fn limited_at(&self, info: &DeviceInfo, rate_hz: f64, arm_m: f64) -> (Coupling, Limitations) {
+    pub fn limited(&self, info: &DeviceInfo, rate_hz: f64) -> (Coupling, Limitations) {
         let limits = &info.limits;
         let hold = limits.hold_s(rate_hz);
-        // An arm that the device cannot tell from none, as rounding leaves it, is none.
-        let arm = if info.driven.rotation && arm_m.abs() > limits.resolution_m { arm_m.abs() } else { 0.0 };
         let mut to = *self;
         let mut found = Limitations::default();
 
@@ -223,49 +211,31 @@ impl Coupling {
             true => f64::INFINITY,
             false => slowed * if most > 0.0 { most } else { asked },
         };
-        // The arm's spring's use of the rotation's limit at full stiffness, and the share set apart for it.
-        let are_known = inside.is_finite() && turning.is_finite();
-        let lever = if info.driven.translation && are_known { arm * arm * inside } else { 0.0 };
-        // Of the rotation's friction too, as much as holds like the translation's.
-        let rubbing = if limits.rotational_friction_nm > 0.0 {
-            arm * limits.friction_n / limits.rotational_friction_nm
-        } else {
-            0.0
-        };
-        let share = if lever > 0.0 { (ARM_ROOM * lever / turning).max(rubbing).min(ARM_SHARE) } else { 0.0 };
-
-        let left = (1.0 - share) * turning;
         let driven = |is: bool| if is { Least(f64::INFINITY, Bound::Damping) } else { Least(0.0, Bound::NotDriven) };
         let rotation = driven(info.driven.rotation);
         found.torque = rotation.and(limits.torque_nm, Bound::Maximum).apply(&mut to.max_torque_nm);
-        found.rotational_damping =
-            rotation.and(VIRTUAL_DAMPING_SHARE * left, Bound::Damping).apply(&mut to.rotational_damping_nm_s_per_rad);
-        let friction = quantised((1.0 - share) * limits.rotational_friction_nm, limits.rotational_resolution_rad);
+        found.rotational_damping = rotation
+            .and(VIRTUAL_DAMPING_SHARE * turning, Bound::Damping)
+            .apply(&mut to.rotational_damping_nm_s_per_rad);
         found.rotational_stiffness = rotation
             .and(known(limits.rotational_stiffness_nm_per_rad), Bound::Maximum)
-            .and((left - to.rotational_damping_nm_s_per_rad).max(0.0) / hold, Bound::Damping)
-            .and(friction, Bound::Friction)
+            .and((turning - to.rotational_damping_nm_s_per_rad).max(0.0) / hold, Bound::Damping)
+            .and(quantised(limits.rotational_friction_nm, limits.rotational_resolution_rad), Bound::Friction)
             .and(
                 usual(turning, limits.rotational_stiffness_nm_per_rad, to.rotational_stiffness_nm_per_rad),
                 Bound::Rate,
             )
             .apply(&mut to.rotational_stiffness_nm_per_rad);
 
-        // The damping felt at the centre.
-        let felt = if lever > 0.0 { 1.0 / (1.0 / inside + arm * arm / (share * turning)) } else { inside };
         let translation = driven(info.driven.translation);
         found.force = translation.and(limits.force_n, Bound::Maximum).apply(&mut to.max_force_n);
-        found.damping = translation.and(VIRTUAL_DAMPING_SHARE * felt, Bound::Damping).apply(&mut to.damping_n_s_per_m);
-        let step = limits.resolution_m + arm * limits.rotational_resolution_rad;
+        found.damping =
+            translation.and(VIRTUAL_DAMPING_SHARE * inside, Bound::Damping).apply(&mut to.damping_n_s_per_m);
         found.stiffness = translation
             .and(known(limits.stiffness_n_per_m), Bound::Maximum)
-            .and((felt - to.damping_n_s_per_m).max(0.0) / hold, Bound::Damping)
-            .and(quantised(limits.friction_n, step), Bound::Friction)
+            .and((inside - to.damping_n_s_per_m).max(0.0) / hold, Bound::Damping)
+            .and(quantised(limits.friction_n, limits.resolution_m), Bound::Friction)
             .and(usual(inside, limits.stiffness_n_per_m, to.stiffness_n_per_m), Bound::Rate)
-            .and(
-                if arm > 0.0 { quantised(share * limits.rotational_friction_nm / arm, step) } else { f64::INFINITY },
-                Bound::Friction,
-            )
             .apply(&mut to.stiffness_n_per_m);
         (to, found)
     }
@@ -318,15 +288,6 @@ mod tests {
     }
 
     #[test]
-    fn a_short_arm_takes_little() {
-        let at_once = wanted().limited(&info(), 1000.0).0.stiffness_n_per_m;
-        for arm in [1e-19, 1e-6, 1.1e-5, 1e-4, 1e-3] {
-            let stiffness = wanted().limited_at(&info(), 1000.0, arm).0.stiffness_n_per_m;
-            assert!(stiffness > 0.85 * at_once, "{arm}: {stiffness} of {at_once}");
-        }
-    }
-
-    #[test]
     fn damping_and_rate_bound_stiffness() {
         let (to, taken) = wanted().limited(&info(), 1000.0);
         assert!(is_near(to.stiffness_n_per_m, (0.8 * 1.5 - 0.1) / 0.5e-3), "{to:?}");
@@ -376,10 +337,6 @@ mod tests {
         assert_eq!(known.1.stiffness.map(|l| l.by), Some(Bound::Damping));
         (info.limits.friction_n, info.limits.rotational_friction_nm) = (0.0, 0.0);
         assert_eq!(wanted().limited(&info, 1000.0), known);
-        // On an arm the rotation holds what its damping does.
-        let (to, taken) = wanted().limited_at(&info, 1000.0, 0.05);
-        assert!(to.stiffness_n_per_m > 0.0 && to.rotational_stiffness_nm_per_rad > 0.0, "{to:?}");
-        assert_eq!(taken.stiffness.map(|l| l.by), Some(Bound::Damping));
     }
 
     #[test]
@@ -388,19 +345,18 @@ mod tests {
         let limits = DeviceLimits { force_n, torque_nm, rate_hz, ..DeviceLimits::default() };
         let unknown = DeviceInfo { limits, ..info() };
         let asked = Coupling { max_force_n: 10.0, ..wanted() };
-        for arm in [0.0, 0.1] {
-            assert_eq!(asked.limited_at(&unknown, 1000.0, arm), (asked, Limitations::default()));
-            assert_eq!(asked.limited_at(&unknown, 0.0, arm).0.stiffness_n_per_m, 0.0);
-        }
+        assert_eq!(asked.limited(&unknown, 1000.0), (asked, Limitations::default()));
+        assert_eq!(asked.limited(&unknown, 0.0).0.stiffness_n_per_m, 0.0);
         // Of its own it is soft.
         let own = Coupling::for_device(&unknown);
         assert!(
             is_near(own.stiffness_n_per_m, 12.0 / 0.01) && is_near(own.rotational_stiffness_nm_per_rad, 0.4 / 0.25)
         );
-        // One of both known: the arm does not take all.
+        // One of both known says nothing about the other.
         let mut half = info();
         half.limits.rotational_damping_nm_s_per_rad = 0.0;
-        assert_eq!(wanted().limited_at(&half, 1000.0, 0.1).0.stiffness_n_per_m, 2200.0);
+        let (to, _) = wanted().limited(&half, 1000.0);
+        assert!(is_near(to.stiffness_n_per_m, 2200.0), "{to:?}");
     }
 
     #[test]
@@ -487,8 +443,6 @@ mod tests {
         );
         assert_eq!(taken.rotational_stiffness.map(|l| l.by), Some(Bound::NotDriven));
         assert!(to.stiffness_n_per_m > 0.0);
-        // Without a driven rotation an arm changes nothing.
-        assert_eq!(wanted().limited_at(&info, 1000.0, 0.3), (to, taken));
         let mut unknown = info.clone();
         unknown.limits.friction_n = f64::NAN;
         assert_eq!(wanted().limited(&unknown, 1000.0).0.stiffness_n_per_m, 0.0);
@@ -525,18 +479,17 @@ mod tests {
     proptest! {
         /// Whatever way the handle goes, its damping takes more than spring and damper, held for a tick, can give.
         #[test]
-        fn the_damping_of_the_handle_covers_the_arm(
-            arm in 0.0..2.0f64, v in -1.0..1.0f64, w in -10.0..10.0f64,
+        fn the_damping_of_the_handle_covers_the_coupling(
+            v in -1.0..1.0f64, w in -10.0..10.0f64,
             b in 0.1..10.0f64, b_turn in 1e-4..1.0f64, delay in 0.0..5e-3f64,
         ) {
             let mut info = info();
             info.limits.damping_n_s_per_m = b;
             info.limits.rotational_damping_nm_s_per_rad = b_turn;
             info.limits.delay_s = delay;
-            let (to, _) = wanted().limited_at(&info, 1000.0, arm);
+            let (to, _) = wanted().limited(&info, 1000.0);
             let hold = 0.5e-3 + delay;
-            let at_centre = v + arm * w;
-            let given = (to.stiffness_n_per_m * hold + to.damping_n_s_per_m) * at_centre * at_centre
+            let given = (to.stiffness_n_per_m * hold + to.damping_n_s_per_m) * v * v
                 + (to.rotational_stiffness_nm_per_rad * hold + to.rotational_damping_nm_s_per_rad) * w * w;
             prop_assert!(given <= 0.8 * (b * v * v + b_turn * w * w) * (1.0 + 1e-9), "{to:?}");
             prop_assert!(to.stiffness_n_per_m > 0.0 && to.rotational_stiffness_nm_per_rad > 0.0);

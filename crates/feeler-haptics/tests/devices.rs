@@ -374,10 +374,10 @@ mod mapping {
         #[test]
         fn wrenches_go_back_as_motions_come(
             base in (vector(1.5), vector(10.0)), handle in (vector(1.5), vector(0.03)),
-            tool in (vector(1.5), vector(1.0)),
+            tool in (vector(1.5), vector(1.0)), centre in vector(3.0),
             motion in (vector(0.3), vector(2.0)), force in vector(3.0), torque in vector(0.05), scale in 0.5..20.0f64,
         ) {
-            let mut mapping = Mapping::new(&info(), scale, &pose(base.0, base.1), None).unwrap();
+            let mut mapping = Mapping::new(&info(), scale, &pose(base.0, base.1), None, centre).unwrap();
             let handle = pose(handle.0, handle.1);
             mapping.update(&state(handle, 0)).unwrap();
             // The tool at any place, rotated against the handle.
@@ -397,7 +397,7 @@ mod mapping {
                 let there = displaced(&handle, &(twist * by), &[0.0; 3]).unwrap();
                 mapping.update(&state(there, 0)).unwrap().world_from_tool
             };
-            let moved = displacement(&at(-h), &at(h), &[0.0; 3]) * (0.5 / h);
+            let moved = displacement(&at(-h), &at(h), &centre) * (0.5 / h);
             prop_assert!((moved - found).reach(1.0) < 1e-6 * (1.0 + found.reach(1.0)), "{moved:?} {found:?}");
         }
 
@@ -409,7 +409,7 @@ mod mapping {
             by in (vector(0.02), vector(0.5)), scale in 0.5..20.0f64,
         ) {
             let base = pose(base.0, base.1);
-            let mut mapping = Mapping::new(&info(), scale, &base, Some(1)).unwrap();
+            let mut mapping = Mapping::new(&info(), scale, &base, Some(1), [0.0; 3]).unwrap();
             let (a, b) = (pose(a.0, a.1), pose(b.0, b.1));
             let before = mapping.update(&state(a, 0)).unwrap();
             // The hand has already moved when the button is first told: the tool stays where it was.
@@ -439,13 +439,13 @@ mod mapping {
         ) {
             for options in [SimulatedOptions::desktop_3dof(), SimulatedOptions::desktop_6dof()] {
                 let limits = options.info.limits;
-                let mut mapping = Mapping::new(&options.info, scale, &Pose::IDENTITY, None).unwrap();
+                let mut mapping = Mapping::new(&options.info, scale, &Pose::IDENTITY, None, [0.0; 3]).unwrap();
                 mapping.update(&state(pose([0.0; 3], place), 0)).unwrap();
                 let found = mapping.wrench_on_hand(&Wrench { force, torque });
                 prop_assert!(length(&found.force) <= limits.force_n * (1.0 + 1e-12));
                 prop_assert!(length(&found.torque) <= limits.torque_nm * (1.0 + 1e-12));
             }
-            let mut mapping = Mapping::new(Mouse::new(Pose::IDENTITY).info(), scale, &Pose::IDENTITY, None).unwrap();
+            let mut mapping = Mapping::new(Mouse::new(Pose::IDENTITY).info(), scale, &Pose::IDENTITY, None, [0.0; 3]).unwrap();
             mapping.update(&state(pose([0.0; 3], place), 0)).unwrap();
             prop_assert_eq!(mapping.wrench_on_hand(&Wrench { force, torque }), Wrench::ZERO);
         }
@@ -453,7 +453,7 @@ mod mapping {
 
     #[test]
     fn buttons_have_edges() {
-        let mut mapping = Mapping::new(&info(), 1.0, &Pose::IDENTITY, None).unwrap();
+        let mut mapping = Mapping::new(&info(), 1.0, &Pose::IDENTITY, None, [0.0; 3]).unwrap();
         let mut edges = |buttons| {
             let mapped = mapping.update(&state(Pose::IDENTITY, buttons)).unwrap();
             (mapped.held, mapped.pressed, mapped.released)
@@ -467,7 +467,8 @@ mod mapping {
     #[test]
     fn a_soft_wall_pushes_back_before_the_border() {
         // 80 mm half the edge along x, so from 72 mm on.
-        let mut mapping = Mapping::new(&info(), 3.0, &pose([0.0, 0.0, 1.0], [5.0, 0.0, 0.0]), Some(0)).unwrap();
+        let mut mapping =
+            Mapping::new(&info(), 3.0, &pose([0.0, 0.0, 1.0], [5.0, 0.0, 0.0]), Some(0), [0.0; 3]).unwrap();
         let mut wall = |place: Point, buttons| {
             mapping.update(&state(pose([0.0; 3], place), buttons)).unwrap();
             mapping.wrench_on_hand(&Wrench::ZERO)
@@ -491,7 +492,7 @@ mod mapping {
     #[test]
     fn a_scale_takes_stiffness_away() {
         let limited = |scale: f64| {
-            let mapping = Mapping::new(&info(), scale, &Pose::IDENTITY, None).unwrap();
+            let mapping = Mapping::new(&info(), scale, &Pose::IDENTITY, None, [0.0; 3]).unwrap();
             let wanted = Coupling::default()
                 .with_stiffness_n_per_m(1e6)
                 .with_rotational_stiffness_nm_per_rad(1e6)
@@ -514,12 +515,16 @@ mod mapping {
     #[test]
     fn what_cannot_be_a_mapping_is_refused() {
         for scale in [0.0, -1.0, 1e6, f64::NAN] {
-            assert!(Mapping::new(&info(), scale, &Pose::IDENTITY, None).is_err(), "{scale}");
+            assert!(Mapping::new(&info(), scale, &Pose::IDENTITY, None, [0.0; 3]).is_err(), "{scale}");
         }
         for (button, is_good) in [(0, true), (1, true), (2, false), (40, false)] {
-            assert_eq!(Mapping::new(&info(), 1.0, &Pose::IDENTITY, Some(button)).is_ok(), is_good, "{button}");
+            assert_eq!(
+                Mapping::new(&info(), 1.0, &Pose::IDENTITY, Some(button), [0.0; 3]).is_ok(),
+                is_good,
+                "{button}"
+            );
         }
-        let mapping = Mapping::new(&info(), 1.0, &Pose::IDENTITY, None).unwrap();
+        let mapping = Mapping::new(&info(), 1.0, &Pose::IDENTITY, None, [0.0; 3]).unwrap();
         assert_eq!(mapping.wrench_on_hand(&push(f64::NAN)), Wrench::ZERO);
         assert_eq!(mapping.wrench_on_hand(&push(f64::INFINITY)), Wrench::ZERO);
     }

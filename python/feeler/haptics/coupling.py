@@ -18,7 +18,7 @@ class Coupling:
     """
 
     stiffness_n_per_m: float = 1000.0
-    """Of the translational spring, at the tool's centre of area."""
+    """Of the translational spring, at the tool's centre of area, where the hand holds it."""
     damping_n_s_per_m: float = 0.1
     """Of the same spring."""
     rotational_stiffness_nm_per_rad: float = 2.0

@@ -41,7 +41,7 @@ class View:
     force: Floats
     """`(3,)`: on the hand, newtons, world axes; without the soft wall inside the borders of the device's workspace."""
     torque: Floats
-    """`(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame."""
+    """`(3,)`: on the hand, newton metres, world axes, about the tool's centre of area."""
     age: float
     """Age of the contact planes, seconds."""
     mode: ProxyMode
@@ -207,8 +207,9 @@ class Runs(_core.HapticsSession):
         - `rate_hz`: of the servo thread, 50 to 100000.
         - `scale`: travel of the tool for a metre of the handle.
         - `world_from_device`: rotation of the device's axes into the world; default: none.
-        - `absolute`: the handle's pose, by `world_from_device`, is the tool's. Default for a `Mouse`; otherwise the
-          tool starts where it is, whatever the pose of the handle, and follows its motions.
+        - `absolute`: the handle's pose, by `world_from_device`, is the tool's, though a device with force turns the
+          tool about its centre of area. Default for a `Mouse`; otherwise the tool starts where it is, whatever the
+          pose of the handle, and follows its motions.
         - `clutch_button`: number of the button (0 is the first) that lets the handle move without the tool.
         - `realtime`: requests priority for both threads and locked memory; `granted()` reports the outcome.
 

@@ -78,7 +78,7 @@ class Step:
     force: Floats
     """`(3,)`: on the hand, newtons, world axes."""
     torque: Floats
-    """`(3,)`: on the hand, newton metres, world axes, at the origin of the device's frame."""
+    """`(3,)`: on the hand, newton metres, world axes, about the tool's centre of area, where the hand holds it."""
     planes: Planes
     age: float
     """Age of the contact planes, seconds."""

@@ -1176,7 +1176,7 @@ export interface State {
   /** Contact holds the solid tool back from the wish. */
   readonly blocked: boolean;
   readonly force: Vec3;
-  /** About the tool's origin, N m. */
+  /** About the tool's centre of area, N m. */
   readonly torque: Vec3;
   /** The length of the way out of a penetration; 0: there is none, or it is not known yet. */
   readonly depth: number;

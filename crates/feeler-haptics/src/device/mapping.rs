@@ -1,7 +1,7 @@
 //! From the device's frame to the world, and back: scale, clutch, and the border of the workspace.
 //!
-//! - **Motion.** The tool's frame is at the handle: `place = at + scale * B * handle`, `rotation = B * handle * H`.
-//!   `B`, the rotation of the device's axes into the world, is given; the clutch changes `at` and `H`.
+//! - **Motion.** The handle is where the hand holds the tool, at its centre: `place of the centre = at + scale * B * handle`,
+//!   `rotation = B * handle * H`. `B`, the rotation of the device's axes into the world, is given; the clutch changes `at` and `H`.
 //! - **Clutch.** While its button is pressed the tool stays, and the hand moves the handle to where it has room. After
 //!   the release the tool follows again from where it is, turned about the world's axes as the hand turns about the
 //!   device's. A wrench during the re-indexing would let the hand gain energy for nothing, so there is none: pass
@@ -33,7 +33,7 @@ use crate::saturation::{added_within, saturated};
 pub struct Mapped {
     /// Where the hand wants the tool.
     pub world_from_tool: Pose,
-    /// Velocity at the tool frame's origin, world axes, if the device reports one. Zero while clutched.
+    /// Velocity where the hand holds the tool, world axes, if the device reports one. Zero while clutched.
     pub twist: Option<Twist>,
     /// The clutch is held.
     pub is_clutched: bool,
@@ -54,6 +54,8 @@ pub struct Mapping {
     world_from_device: Matrix,
     /// Where the device's origin is in the world.
     at: Point,
+    /// Where the hand holds the tool, tool frame.
+    centre: Point,
     handle_from_tool: Matrix,
     /// Where the tool stays while the clutch is held.
     kept: Option<Pose>,
@@ -72,11 +74,17 @@ struct Wall {
 }
 
 impl Mapping {
-    /// `scale`: how far the tool moves in the world for a metre of the handle. `world_from_device`: where the device's
-    /// frame is in the world at the beginning, and which way it looks. `clutch_button`: number of the button (0 is the
-    /// first), `None` for no clutch. Errors where the scale is not between 1/1000 and 1000, the device has no such
+    /// `scale`: how far the tool moves in the world for a metre of the handle. `world_from_device`: which way the device looks, and
+    /// where the tool's frame is at the beginning while the handle is at the origin of its own, not turned. `clutch_button`: number of
+    /// the button (0 is the first), `None` for no clutch. `centre`: where the hand holds the tool, tool frame. Errors where the scale is not between 1/1000 and 1000, the device has no such
     /// button, or its limits are out of their ranges.
-    pub fn new(info: &DeviceInfo, scale: f64, world_from_device: &Pose, clutch_button: Option<u32>) -> Result<Mapping> {
+    pub fn new(
+        info: &DeviceInfo,
+        scale: f64,
+        world_from_device: &Pose,
+        clutch_button: Option<u32>,
+        centre: Point,
+    ) -> Result<Mapping> {
         let [least, most] = SCALES;
         if !(least..=most).contains(&scale) {
             return Err(Error::Option { what: "scale", value: scale, range: "between 0.001 and 1000" });
@@ -110,7 +118,8 @@ impl Mapping {
             scale,
             clutch,
             world_from_device: *world_from_device.rotation(),
-            at: *world_from_device.translation(),
+            at: world_from_device.apply(&centre),
+            centre,
             handle_from_tool: *Pose::IDENTITY.rotation(),
             kept: None,
             handle: Pose::IDENTITY,
@@ -179,7 +188,7 @@ impl Mapping {
         let turned = product(&self.world_from_device, self.handle.rotation());
         self.handle_from_tool = product(&transposed(&turned), world_from_tool.rotation());
         let way = scaled(&times(&self.world_from_device, self.handle.translation()), self.scale);
-        self.at = sub(world_from_tool.translation(), &way);
+        self.at = sub(&world_from_tool.apply(&self.centre), &way);
         if self.kept.is_some() {
             self.kept = Some(*world_from_tool);
         }
@@ -188,20 +197,20 @@ impl Mapping {
     /// Re-indexes if the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) moves it in 10
     /// ms.
     pub fn keep_near(&mut self, proxy: &Pose, twist: &Twist) -> Result<()> {
-        let ahead = displacement(proxy, &self.tool()?, &[0.0; 3]);
+        let ahead = displacement(proxy, &self.tool()?, &self.centre);
         let share = |ahead: &Point, speed: &Point| (LEAD_S * length(speed) / length(ahead)).min(1.0);
         let (linear, angular) = (share(&ahead.linear, &twist.linear), share(&ahead.angular, &twist.angular));
         // Nothing ahead is no share.
         if linear < 1.0 || angular < 1.0 {
             let left = |ahead: &Point, share: f64| if share < 1.0 { scaled(ahead, share) } else { *ahead };
             let near = Twist { linear: left(&ahead.linear, linear), angular: left(&ahead.angular, angular) };
-            self.set_tool(&displaced(proxy, &near, &[0.0; 3])?);
+            self.set_tool(&displaced(proxy, &near, &self.centre)?);
         }
         Ok(())
     }
 
-    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, from a wrench at the
-    /// tool frame's origin, world axes. It includes the soft wall, and nothing else while the clutch is pressed. Values
+    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, from a wrench where the
+    /// hand holds the tool, world axes. It includes the soft wall, and nothing else while the clutch is pressed. Values
     /// that are not finite become zero.
     pub fn wrench_on_hand(&self, wrench: &Wrench) -> Wrench {
         self.wrench_with_wall(wrench, &self.wall())
@@ -245,6 +254,7 @@ impl Mapping {
     fn tool(&self) -> Result<Pose> {
         let rotation = product(&product(&self.world_from_device, self.handle.rotation()), &self.handle_from_tool);
         let way = scaled(&times(&self.world_from_device, self.handle.translation()), self.scale);
-        Ok(pose_of(&rotation, &add(&self.at, &way))?)
+        let place = sub(&add(&self.at, &way), &times(&rotation, &self.centre));
+        Ok(pose_of(&rotation, &place)?)
     }
 }

@@ -52,7 +52,7 @@ pub struct View {
     pub ahead: Pose,
     /// Where the device wants the tool, `world_from_tool`.
     pub device: Pose,
-    /// On the hand, world axes, at the tool frame's origin; as sent to the device, without its own bounds and soft
+    /// On the hand, world axes, the torque about where it holds the tool; as sent to the device, without its own bounds and soft
     /// walls.
     pub wrench: Wrench,
     /// Of the constraints, seconds.

@@ -12,7 +12,6 @@ use std::sync::mpsc::{channel, sync_channel, Receiver, Sender, SyncSender};
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use feeler_core::geometry::vectors::length;
 use feeler_core::{Pose, Scene};
 use feeler_world::Release;
 use rtrb::{Consumer, RingBuffer};
@@ -122,14 +121,18 @@ impl Sides {
             |error, session, device| Box::new(Refused { error, session: Some(session), device: Some(device) });
         let Some(pose) = session.pose().copied() else { return Err(refused(Error::NotStarted, session, device)) };
         let MappingOptions { scale, world_from_device, is_absolute, clutch_button } = options.mapping;
-        let mapping =
-            options.check().and_then(|()| Mapping::new(device.info(), scale, &world_from_device, clutch_button));
+        let centre = session.centre();
+        // A device without force, such as a mouse, tells where the tool's frame is.
+        let info = device.info();
+        let is_tool = is_absolute && !(info.driven.translation || info.driven.rotation);
+        let held = if is_tool { [0.0; 3] } else { centre };
+        let mapping = options.check().and_then(|()| Mapping::new(info, scale, &world_from_device, clutch_button, held));
         let mapping = match mapping {
             Ok(mapping) => mapping,
             Err(error) => return Err(refused(error, session, device)),
         };
-        let (wanted, centre) = (session.options().coupling, session.centre());
-        let (coupling, limitations) = wanted.limited_at(&mapping.info_in_world(), options.rate_hz, length(&centre));
+        let wanted = session.options().coupling;
+        let (coupling, limitations) = wanted.limited(&mapping.info_in_world(), options.rate_hz);
         // What nearest means is for the springs that are felt.
         session.set_coupling(coupling);
         let proxy_options = session.options().proxy;

@@ -22,7 +22,8 @@ pub enum ThreadKind {
 pub struct MappingOptions {
     /// How far the tool moves for a metre of the handle.
     pub scale: f64,
-    /// Which way the device's axes point in the world; and, where it is absolute, where its origin is.
+    /// Which way the device's axes point in the world; and, where it is absolute, where the tool's frame is while the handle is at the
+    /// origin of its own, not turned.
     pub world_from_device: Pose,
     /// Whether the handle's place is the tool's from the first tick on. Else the tool stays where it is when the run or the session
     /// starts, and follows the handle's motions from there.

@@ -73,7 +73,7 @@ pub(super) struct Setting {
     /// As limited to the device.
     pub coupling: Coupling,
     pub limitations: Limitations,
-    /// Where its springs act, tool frame.
+    /// Where the hand holds the tool, tool frame.
     pub centre: Point,
     pub start_pose: Pose,
     pub rate_hz: f64,
@@ -89,7 +89,7 @@ pub struct ServoSide {
     index_at: Option<Pose>,
     border: Border,
     guide: GuideForce,
-    /// Where the guide acts, tool frame: where the coupling does.
+    /// Where the hand holds the tool, and guide and coupling act, tool frame.
     centre: Point,
     servo: Servo,
     limitations: Limitations,

@@ -15,7 +15,7 @@ pub struct TraceTick {
     pub device: Pose,
     /// Where the collision side had the proxy, `world_from_tool`.
     pub proxy: Pose,
-    /// On the hand, world axes, at the tool frame's origin.
+    /// On the hand, world axes, the torque about where it holds the tool.
     pub wrench: Wrench,
     /// The state of the proxy.
     pub mode: Mode,

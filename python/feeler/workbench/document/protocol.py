@@ -589,7 +589,7 @@ class State:
     """Contact holds the solid tool back from the wish."""
     force: Vec3
     torque: Vec3
-    """About the tool's origin, N m."""
+    """About the tool's centre of area, N m."""
     depth: float
     """The length of the way out of a penetration; 0: there is none, or it is not known yet."""
     depth_kind: DepthKind

@@ -121,8 +121,8 @@ class JointGuide(Guide):
         return wish if not np.isfinite(wish).all() else self.at(self.value_of(wish))
 
     def reached(self, wish: Floats) -> tuple[Floats, Floats, Floats]:
-        """Where the hand gets to, its force and its torque about its origin: those of a spring along the joint. A
-        wish that is no pose has no force, and the hand stays."""
+        """Where the hand gets to, its force and its torque: those of a spring along the joint. A wish that is
+        no pose has no force, and the hand stays."""
         if not np.isfinite(wish).all():
             return self._hand, np.zeros(3), np.zeros(3)
         free, wanted = self.free, self.value_of(wish)

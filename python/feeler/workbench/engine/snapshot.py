@@ -27,9 +27,9 @@ class Snapshot:
     """The hand and its contacts.
 
     number: grows. pose: where the engine lets the tool be; wish: the target of the hand. blocked: contact separates the
-    two. force, torque: on the hand, N and Nm, world axes, at the pose's origin; zero in stop and pass, and in doubt.
-    contains: it is wholly inside a part, or contains one. is_current: planes, rows, distance and the way out belong to
-    this pose, and not to an earlier one.
+    two. force, torque: on the hand, N and Nm, world axes, about the tool's centre of area; zero in stop and pass, and
+    in doubt. contains: it is wholly inside a part, or contains one. is_current: planes, rows, distance and the way out
+    belong to this pose, and not to an earlier one.
     """
 
     number: int
