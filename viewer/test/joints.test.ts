@@ -146,3 +146,28 @@ test("a file of clash rules is not taken for a mechanism", () => {
     assert.ok(isRules(text));
   for (const text of ["", "[[joint]]\n[[rule]]", 'name = "[[rule]]"', "# [[rule]]"]) assert.equal(isRules(text), false);
 });
+
+test("values for several joints arrive one after the other, however late the first answer is", async () => {
+  const { asked, moved, answer, mover } = slow();
+  for (const [name, value] of [
+    ["crank", 0.5],
+    ["slide", 0.2],
+    ["hinge", 3],
+    ["slide", 0.4],
+  ] as const) {
+    mover.to(name, value);
+    mover.settle();
+  }
+  assert.deepEqual(asked, [["crank", 0.5]]);
+  assert.deepEqual(
+    ["crank", "slide", "hinge"].map((name) => mover.wantedOf(name)),
+    [0.5, 0.4, 3],
+  );
+  for (let k = 0; k < 8; k++) await answer();
+  assert.deepEqual(moved, [
+    ["crank", 0.5],
+    ["hinge", 1],
+    ["slide", 0.4],
+  ]);
+  assert.equal(mover.name, null);
+});

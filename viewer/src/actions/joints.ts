@@ -29,8 +29,8 @@ const TIMERS: Timers = {
   clear: (timer) => clearTimeout(timer),
 };
 
-/** Moves one joint at a time. One question is on its way, and of those that wait only the newest counts: a slow link or
- * a slow server is behind, and never jammed. */
+/** Moves one joint at a time. One question is on its way, and of those that wait only the newest of each joint counts: a
+ * slow link or a slow server is behind, and never jammed. */
 export class JointMover {
   /** The joint that is moved and not put down yet; null: none. */
   name: string | null = null;
@@ -38,6 +38,8 @@ export class JointMover {
   private placed: number | null = null;
   /** Where it is to go, or has got to if no answer is on its way. */
   private aim: number | null = null;
+  /** Joints to be put down before that one, and where they were to go: another was moved before they got there. */
+  private owed: { readonly name: string; readonly value: number }[] = [];
   private isAsking = false;
   private isSettling = false;
   private timer: number | null = null;
@@ -51,7 +53,8 @@ export class JointMover {
   /** The joint is to go to a value. */
   to(name: string, value: number): void {
     this.stopTimer();
-    if (this.name !== null && this.name !== name) void this.settle();
+    if (this.name !== null && this.name !== name) this.owe();
+    this.owed = this.owed.filter((each) => each.name !== name);
     this.name = name;
     this.wanted = this.aim = value;
     this.isSettling = false;
@@ -60,7 +63,12 @@ export class JointMover {
 
   /** Where a joint is to go, while it moves; null: it stands. */
   wantedOf(name: string): number | null {
-    return this.name === name ? this.aim : null;
+    return this.name === name ? this.aim : (this.owed.find((each) => each.name === name)?.value ?? null);
+  }
+
+  private owe(): void {
+    if (this.name !== null && this.aim !== null) this.owed.push({ name: this.name, value: this.aim });
+    this.placed = null;
   }
 
   /** It is put down where it has got to: at once, or after it has rested. */
@@ -90,6 +98,7 @@ export class JointMover {
     if (this.isAsking) return;
     this.isAsking = true;
     try {
+      if (this.owed.length > 0) await this.putOwed();
       while (this.name !== null && this.wanted !== null) {
         const [name, value] = [this.name, this.wanted];
         this.wanted = null;
@@ -97,6 +106,7 @@ export class JointMover {
         if (this.name !== name) {
           // It was cancelled meanwhile, and the answer came late: it is shown where it stands.
           if (this.name === null) this.told(await this.link.to(name, null));
+          await this.putOwed();
           continue;
         }
         this.placed = place.value;
@@ -116,7 +126,21 @@ export class JointMover {
     } finally {
       this.isAsking = false;
     }
-    if (this.wanted !== null || (this.isSettling && this.name !== null && this.placed !== null)) void this.ask();
+    if (this.owed.length > 0 || this.wanted !== null || (this.isSettling && this.name !== null && this.placed !== null))
+      void this.ask();
+  }
+
+  private async putOwed(): Promise<void> {
+    for (let next = this.owed[0]; next; next = this.owed[0]) {
+      try {
+        const place = await this.link.to(next.name, next.value);
+        this.told(place);
+        await this.link.move(next.name, place.value);
+      } catch (error) {
+        this.link.fail(error);
+      }
+      this.owed = this.owed.filter((each) => each !== next);
+    }
   }
 
   private stopTimer(): void {
