@@ -301,9 +301,9 @@ pub const LARGEST_FLAT_WALK: usize = 16;
 /// Most triangles around a corner. More: the pole of a finer ball is whole; slower.
 pub const LARGEST_FAN: usize = 64;
 
-/// How many times smaller than the largest around a corner a triangle may be to count as much. Larger: a flat face is felt round beside
-/// a fillet; smaller: unevenly cut surfaces are.
-pub const LIKE_AREAS: f64 = 8.0;
+/// How many times wider than the facet beside it a facet may be to count as bent like it. Larger: a flat face is felt round beside a
+/// fillet; smaller: unevenly cut surfaces are felt with their facets.
+pub const LIKE_WIDTHS: f64 = 4.0;
 
 /// Share of a triangle's corner below which a point is on the side across from it. Larger: real edges are as wide as that; smaller:
 /// rounding decides.
@@ -323,6 +323,10 @@ pub const LARGEST_GAIN: f64 = 8.0;
 /// Curvature (one over metres) that counts as flat: a radius of a kilometre. Larger: large curved surfaces count as
 /// flat.
 pub const LEAST_CURVATURE: f64 = 1e-3;
+
+/// Share of an edge's length that it has at least along a surface that it touches. Smaller: an edge that stands on a surface counts as
+/// lying on it; larger: an askew one touches with a point.
+pub const LEAST_SLOPE: f64 = 0.5;
 
 /// Largest height (metres) of an arc over its facet: tessellators keep to less. Larger: a lid with bevelled sides is felt round; smaller:
 /// large radii that are cut coarsely are felt with their facets.
