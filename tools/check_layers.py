@@ -163,6 +163,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # What one side hands to the other, and the pose that it allows.
         "smooth_surface": HAPTICS_BASE,
         "shading": {*HAPTICS_BASE, "smooth_surface"},
+        "shading_budget": HAPTICS_BASE,
         "constraint_set": {*HAPTICS_BASE, "shading"},
         "proxy": {*HAPTICS_BASE, "coupling", "constraint_set"},
         "saturation": HAPTICS_BASE,
@@ -173,7 +174,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "passivity": HAPTICS_BASE,
         "velocity": HAPTICS_BASE,
         # All of them, once a tick.
-        "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity", "shading"},
+        "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity", "shading", "shading_budget"},
         # Beside the force of contact, within its bounds.
         "guide": {*HAPTICS_BASE, "saturation", "coupling", "force"},
         "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set", "shading"},
@@ -187,7 +188,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "runner": {
             *HAPTICS_BASE,
             *("device", "coupling", "stability", "force", "guide", "servo", "constraint_set", "session", "clock"),
-            "statistics",
+            *("saturation", "statistics"),
         },
         # What tests, examples and measurements of the other crates ask of the engine; hidden from users.
         "internals": {"constraint_set", "device", "force", "proxy", "servo", "shading", "velocity"},

@@ -293,9 +293,9 @@ pub const LARGEST_FLAT_WALK: usize = 16;
 /// Most triangles around a corner. More: the pole of a finer ball is whole; slower.
 pub const LARGEST_FAN: usize = 64;
 
-/// How many times smaller than the largest around a corner a triangle may be to count as much. Larger: a flat face is felt round beside
-/// a fillet; smaller: unevenly cut surfaces are.
-pub const LIKE_AREAS: f64 = 8.0;
+/// How many times wider than the facet beside it a facet may be to count as bent like it. Larger: a flat face is felt round beside a
+/// fillet; smaller: unevenly cut surfaces are felt with their facets.
+pub const LIKE_WIDTHS: f64 = 4.0;
 
 /// Share of a triangle's corner below which a point is on the side across from it. Larger: real edges are as wide as that; smaller:
 /// rounding decides.
@@ -316,6 +316,10 @@ pub const LARGEST_GAIN: f64 = 8.0;
 /// flat.
 pub const LEAST_CURVATURE: f64 = 1e-3;
 
+/// Share of an edge's length that it has at least along a surface that it touches. Smaller: an edge that stands on a surface counts as
+/// lying on it; larger: an askew one touches with a point.
+pub const LEAST_SLOPE: f64 = 0.5;
+
 /// Largest height (metres) of an arc over its facet: tessellators keep to less. Larger: a lid with bevelled sides is felt round; smaller:
 /// large radii that are cut coarsely are felt with their facets.
 pub const LARGEST_BULGE_M: f64 = 5e-4;
@@ -328,9 +332,28 @@ pub const MEAN_OF_ARC: f64 = 2.0 / 3.0;
 /// touch of coarse facets is stiffer, by a third of its inverse; larger: light touches feel facets.
 pub const SHADING_RAMP: f64 = 1.5;
 
-/// How much a turned force may have given beside its potential before it is damped, as a share of the force times the height of the
-/// smooth surface over its facets. Larger: closed motions may gain more; smaller: coarse facets are damped.
-pub const SHADING_CREDIT: f64 = 0.2;
+/// How much shading may give beside its potential before it fades, and over how much it does, as a share of the force times the height
+/// of the smooth surface over its facets. Larger: closed motions may gain more at first; smaller: coarse facets are felt.
+pub const SHADING_CREDIT: f64 = 0.4;
+
+/// How much it may have given, likewise, where nothing is touched. Larger: closed motions gain more until it fades; smaller: one that is
+/// not certain turns shading off in the next ones.
+pub const SHADING_DEBT: f64 = 0.05;
+
+/// How much it may give in all, likewise: its potential is that much below the facets' where these stand out most, and the credit.
+/// Smaller: touches at the rims of facets feel facets.
+pub const SHADING_LOAN: f64 = 1.2;
+
+/// How fast (shares a second) shading fades and comes back. Larger: felt as a jump; smaller: it gives more before it has faded.
+pub const SHADING_FADE_RATE: f64 = 50.0;
+
+/// How fast a shaded force may turn by itself (radians a second), beside what its spring and the device turn: 1 % a tick at 1 kHz. Larger:
+/// contacts that are not certain are felt as a buzz; smaller: the force stays behind the surface.
+pub const SHADING_TURN_RATE: f64 = 10.0;
+
+/// Way of the device (metres) for a turn of one radian beside that: the least radius that the force follows at once. Smaller: contacts
+/// that are not certain are rough; larger: small fillets are felt late.
+pub const SHADING_REACH_M: f64 = 5e-3;
 
 /// The most that a guide draws the hand with, newtons. A device of 8 N has four times as much left for contacts. Larger: it is
 /// harder to leave the way.

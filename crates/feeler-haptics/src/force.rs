@@ -1,19 +1,20 @@
 //! From two poses to a wrench that is safe for a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
 use feeler_core::geometry::twist::{displacement, Twist, Wrench};
-use feeler_core::geometry::vectors::{add, dot, length, scaled, sub, unit};
+use feeler_core::geometry::vectors::{dot, length, scaled, sub, unit};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{
     CONTROLLER_SHARE, JUMP_RATE, JUMP_SPEED, LONGEST_DELAY_TICKS, LONGEST_TICK_S, RATE_MEMORY_S, RATE_SHARE, RETURN_S,
-    SHADING_CREDIT, SHORTEST_TICK_S,
+    SHORTEST_TICK_S,
 };
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::error::{Error, Result};
 use crate::passivity::Passivity;
-use crate::saturation::{added_within, saturated};
+use crate::saturation::{added_within, saturated, slewed};
 use crate::shading::Shading;
+use crate::shading_budget::ShadingBudget;
 
 /// The input of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +59,7 @@ pub struct ForceLoop {
     driven: Freedoms,
     limits: DeviceLimits,
     passivity: Passivity,
+    budget: ShadingBudget,
     delay_ticks: usize,
     /// The tick that the coupling is limited for, and the mean of the last ones, seconds.
     nominal_s: f64,
@@ -67,8 +69,8 @@ pub struct ForceLoop {
     late_s: f64,
     /// The last wrenches, the newest at `newest`, round and round.
     sent: [Wrench; LONGEST_DELAY_TICKS + 1],
-    /// What of these shading made.
-    shaded: [Wrench; LONGEST_DELAY_TICKS + 1],
+    /// What shading would have added to these by its whole, and the share of that in them.
+    shaded: [(Wrench, f64); LONGEST_DELAY_TICKS + 1],
     newest: usize,
     /// Share of the bounds.
     share: f64,
@@ -80,7 +82,6 @@ pub struct ForceLoop {
 struct Last {
     device: Pose,
     stored: f64,
-    held_by_shading: f64,
 }
 
 impl ForceLoop {
@@ -93,13 +94,14 @@ impl ForceLoop {
             driven,
             limits: *limits,
             passivity: Passivity::new(0.0, 0.0, 0.0),
+            budget: ShadingBudget::new(),
             delay_ticks: 0,
             nominal_s: 0.0,
             period_s: 0.0,
             reports_s: 0.0,
             late_s: 0.0,
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
-            shaded: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
+            shaded: [(Wrench::ZERO, 0.0); LONGEST_DELAY_TICKS + 1],
             newest: 0,
             share: 1.0,
             last: None,
@@ -217,19 +219,20 @@ impl ForceLoop {
 
     fn let_go(&mut self, device: Option<Pose>) {
         self.passivity.reset();
+        self.budget.let_go();
         self.share = 0.0;
         // Where the device is from now on: a jump is in doubt for one tick.
-        self.last = device.map(|device| Last { device, stored: 0.0, held_by_shading: 0.0 });
-        self.send(Wrench::ZERO, Wrench::ZERO);
+        self.last = device.map(|device| Last { device, stored: 0.0 });
+        self.send(Wrench::ZERO, (Wrench::ZERO, 0.0));
     }
 
-    fn send(&mut self, wrench: Wrench, shaded: Wrench) {
+    fn send(&mut self, wrench: Wrench, shaded: (Wrench, f64)) {
         self.newest = (self.newest + 1) % self.sent.len();
         (self.sent[self.newest], self.shaded[self.newest]) = (wrench, shaded);
     }
 
-    /// The wrench, and what of it shading makes.
-    fn answer(&mut self, input: &ForceInput) -> Option<(Wrench, Wrench)> {
+    /// The wrench, what shading adds by its whole, and the share of that in it.
+    fn answer(&mut self, input: &ForceInput) -> Option<(Wrench, (Wrench, f64))> {
         let is_sane = !input.in_doubt
             && is_tick(input.dt)
             && input.device_twist.is_finite()
@@ -261,7 +264,9 @@ impl ForceLoop {
         let spring = coupling.spring_force(device, proxy);
         let is_full = length(&spring) >= coupling.max_force_n;
         let stiffness = coupling.stiffness_n_per_m;
-        let (turned, held_by_shading) = input.shading.turned(&spring, if is_full { 0.0 } else { stiffness }, stiffness);
+        let turned = input.shading.turned(&spring, if is_full { 0.0 } else { stiffness }, stiffness);
+        let way = [length(&moved.linear), length(&moved.angular)];
+        let turned = self.budget.follow(&spring, turned, way, input.dt);
         let mut shaded = Wrench { force: sub(&turned, &spring), torque: [0.0; 3] };
         let mut proxy_twist = input.proxy_twist;
         if let Some(along) = unit(&turned).filter(|_| turned != spring) {
@@ -277,19 +282,25 @@ impl ForceLoop {
         if !self.driven.rotation {
             (pulled.torque, shaded.torque) = ([0.0; 3], [0.0; 3]);
         }
-        let pulled = saturated(&(pulled + shaded), coupling.max_force_n, coupling.max_torque_nm);
+        let within = |wrench: &Wrench| saturated(wrench, coupling.max_force_n, coupling.max_torque_nm);
+        let (pulled, whole) = (within(&pulled), within(&(pulled + shaded)));
+        let shaded = whole - pulled;
 
         let stored = coupling.energy_j(device, proxy);
         if let Some(last) = &self.last {
             // What acted while the device moved: the delay is on the way in and on the way out, and shows as their sum.
             let at = (self.newest + self.sent.len() - self.delay_ticks) % self.sent.len();
-            let (acted, by_shading) = (self.sent[at], -self.shaded[at].power(&moved));
+            let (acted, (by_shading, share)) = (self.sent[at], self.shaded[at]);
             let is_free = stored == 0.0 && last.stored == 0.0;
-            let credit = SHADING_CREDIT * length(&spring) * input.shading.bulge_m.max(0.0);
-            let lost = by_shading - (held_by_shading - last.held_by_shading);
-            let taken = -acted.power(&moved) - by_shading + self.passivity.lend(lost, credit);
+            let whole_j = -by_shading.power(&moved);
+            let most_j = length(&spring) * input.shading.bulge_m.max(0.0);
+            let taken = -acted.power(&moved) - share * whole_j;
+            let works = [whole_j, share * whole_j, taken - (stored - last.stored)];
+            self.budget.book(works, most_j, is_free);
             self.passivity.observe(taken, stored - last.stored, input.dt, is_free);
         }
+        let share = self.budget.share(input.dt);
+        let pulled = pulled + shaded * share;
         // What is paid now is in the books when the delay is over; until then each tick pays its part.
         let part = 1.0 / (1 + self.delay_ticks) as f64;
         let expected = self.expected_j(&coupling, &ForceInput { proxy_twist, ..*input }, stored);
@@ -304,8 +315,8 @@ impl ForceLoop {
         if !(wrench.is_finite() && stored.is_finite()) {
             return None;
         }
-        self.last = Some(Last { device: input.device, stored, held_by_shading });
-        Some((wrench, shaded))
+        self.last = Some(Last { device: input.device, stored });
+        Some((wrench, (shaded, share)))
     }
 }
 
@@ -326,17 +337,6 @@ impl ForceLoop {
 /// But for the rounding of a rate and of differences of times.
 pub(crate) fn is_tick(dt: f64) -> bool {
     ((1.0 - 1e-9) * SHORTEST_TICK_S..=(1.0 + 1e-9) * LONGEST_TICK_S).contains(&dt)
-}
-
-/// From one vector towards another, by at most `most`.
-pub(crate) fn slewed(from: &Point, to: &Point, most: f64) -> Point {
-    let change = sub(to, from);
-    let size = length(&change);
-    if size > most {
-        add(from, &scaled(&change, most / size))
-    } else {
-        *to
-    }
 }
 
 #[cfg(test)]
@@ -376,6 +376,25 @@ mod tests {
         let found = pressed_on(&mut force, 400);
         let expected = 0.002 * force.coupling().stiffness_n_per_m;
         assert!((found.force[2] - expected).abs() < 1e-12 && found.force[0] == 0.0, "{found:?} {expected}");
+    }
+
+    /// Which of the nearby triangles touch is not certain, and each means another smooth surface.
+    #[test]
+    fn a_shading_that_flips_does_not_buzz() {
+        let mut force = device_loop(&SimulatedOptions::desktop_6dof());
+        let flipped = |by: f64| {
+            let shading = Shading { turn: [0.15 * by, 0.0, 0.0], height_m: 5e-5 * by, bulge_m: 1e-4 };
+            ForceInput { shading, ..pressed() }
+        };
+        for _ in 0..400 {
+            force.step(&flipped(1.0));
+        }
+        assert!(force.wrench().force[1].abs() > 0.1 * force.wrench().force[2], "{:?}", force.wrench());
+        for tick in 0..100 {
+            let before = force.wrench().force;
+            let found = force.step(&flipped(if tick % 2 == 0 { -1.0 } else { 1.0 })).force;
+            assert!(length(&sub(&found, &before)) < 0.02 * length(&before), "tick {tick}: {before:?} {found:?}");
+        }
     }
 
     #[test]

@@ -14,8 +14,9 @@ use crate::constants::{
     JUMP_SPEED, OLDEST_GUIDE_S,
 };
 use crate::coupling::Coupling;
-use crate::force::{is_tick, slewed};
+use crate::force::is_tick;
 use crate::saturation::added_within;
+use crate::saturation::slewed;
 
 /// Where the tool is drawn to.
 #[derive(Debug, Clone, Copy, PartialEq)]

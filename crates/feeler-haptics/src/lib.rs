@@ -55,6 +55,7 @@ mod saturation;
 mod servo;
 mod session;
 mod shading;
+mod shading_budget;
 mod smooth_surface;
 mod stability;
 mod statistics;

@@ -27,8 +27,6 @@ pub struct Passivity {
     rotational_damping: f64,
     largest_deficit: f64,
     surplus: f64,
-    /// Energy given by shading, joules: not above zero.
-    lent: f64,
 }
 
 impl Passivity {
@@ -40,7 +38,6 @@ impl Passivity {
             rotational_damping: rotational_damping_nm_s_per_rad,
             largest_deficit: largest_deficit_j,
             surplus: 0.0,
-            lent: 0.0,
         }
     }
 
@@ -49,7 +46,6 @@ impl Passivity {
         let surplus = self.surplus.max(-largest_deficit_j);
         *self = Passivity {
             surplus,
-            lent: self.lent,
             ..Passivity::new(damping_n_s_per_m, rotational_damping_nm_s_per_rad, largest_deficit_j)
         };
     }
@@ -64,16 +60,6 @@ impl Passivity {
             false => 1.0,
         };
         self.surplus = (surplus * kept).max(-self.largest_deficit);
-    }
-
-    /// Sets aside a little of the energy that a turned force (see [`Shading`](crate::Shading)) gave in a tick beyond
-    /// its potential, and returns the rest to [observe](Self::observe): curved surfaces are known to second order, and
-    /// each crossed facet gives and takes the error of that. `taken_j`: for good, joules. `credit_j`: the most it may
-    /// have given, not negative.
-    pub fn lend(&mut self, taken_j: f64, credit_j: f64) -> f64 {
-        let lent = self.lent + taken_j;
-        self.lent = lent.clamp(-credit_j, 0.0);
-        lent - self.lent
     }
 
     /// The wrench that takes the deficit's `share` and `expected_j` (joules, not negative: what the coming tick will
@@ -97,7 +83,7 @@ impl Passivity {
 
     /// New books.
     pub fn reset(&mut self) {
-        (self.surplus, self.lent) = (0.0, 0.0);
+        self.surplus = 0.0;
     }
 }
 

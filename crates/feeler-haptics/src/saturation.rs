@@ -1,7 +1,7 @@
 //! Limits wrenches to bounds of force and torque.
 
 use feeler_core::geometry::twist::Wrench;
-use feeler_core::geometry::vectors::{dot, length, scaled};
+use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::Point;
 
 /// Within both bounds (newtons, newton metres), by one factor for both: the wrench keeps its line of action.
@@ -47,6 +47,17 @@ fn vector_within(a: &Point, b: &Point, most: f64) -> Point {
         scaled(&there, most / norm)
     } else {
         there
+    }
+}
+
+/// From one vector towards another, by at most `most`.
+pub(crate) fn slewed(from: &Point, to: &Point, most: f64) -> Point {
+    let change = sub(to, from);
+    let size = length(&change);
+    if size > most {
+        add(from, &scaled(&change, most / size))
+    } else {
+        *to
     }
 }
 

@@ -24,9 +24,9 @@ use feeler_core::{Point, Pose, Tool};
 use feeler_world::{Environment, Pair, Plane};
 
 use crate::constants::{
-    LARGEST_BULGE_M, LARGEST_GAIN, LARGEST_SHADING_TURN, LEAST_CURVATURE, MEAN_OF_ARC, SHADING_RAMP,
+    LARGEST_BULGE_M, LARGEST_GAIN, LARGEST_SHADING_TURN, LEAST_CURVATURE, LEAST_SLOPE, MEAN_OF_ARC, SHADING_RAMP,
 };
-use crate::smooth_surface::{Curvature, Surface};
+use crate::smooth_surface::{Curvature, Edge, Surface};
 
 /// How a force is turned.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -93,9 +93,10 @@ impl Shade {
         // On a flat face there is nothing to turn.
         let s = below.curvature.filter(|s| s.iter().any(|x| x.abs() > LEAST_CURVATURE))?;
         let (height, bulge) = (below.height - MEAN_OF_ARC * below.bulge, below.bulge.abs());
-        // A corner or an edge of the tool has no curvature: it touches where it is.
         let Some((above, t)) = above.and_then(|above| Some((above, above.curvature?))) else {
-            return Shade { off, by_way: s, by_turn: [[0.0; 2]; 2], height, bulge }.checked();
+            let edges = surface.edges(pair.tool_triangle, &closest.on_p, &towards);
+            return Shade::of_edges(Shade { off, by_way: s, by_turn: [[0.0; 2]; 2], height, bulge }, &edges, plane)
+                .checked();
         };
         let inverse = inverse_of(&[s[0] + t[0], s[1] + t[1], s[2] + t[2]]);
         let by_turn = product(&s, &inverse);
@@ -111,6 +112,37 @@ impl Shade {
             bulge: bulge + above.bulge.abs(),
         }
         .checked()
+    }
+
+    /// Of the mock-up's surface alone, under real edges of the tool. A corner touches where it is. A straight edge touches where the
+    /// surface runs along with it, if the edge is so long: a tool that is curved without end across the edge, and not along it.
+    fn of_edges(at_point: Shade, edges: &[Option<Edge>; 2], plane: &Plane) -> Shade {
+        let [u, v] = across(&plane.normal);
+        let s = full(&at_point.by_way);
+        let slid = |edge: &Edge| {
+            let along = [dot(&edge.direction, &u), dot(&edge.direction, &v)];
+            let size = along[0].hypot(along[1]);
+            let e = along.map(|x| x / size);
+            let bent = times_flat(&s, &e);
+            let bend = dot_flat(&bent, &e);
+            if size < LEAST_SLOPE || bend <= LEAST_CURVATURE {
+                return at_point;
+            }
+            let apart = -dot(&edge.direction, &plane.normal) / size - dot_flat(&at_point.off, &e);
+            let whole = apart / bend;
+            let way = whole.clamp(-edge.ends[0], edge.ends[1]);
+            let mut there = at_point;
+            there.off = [0, 1].map(|k| there.off[k] + bent[k] * way);
+            there.height += apart * way - 0.5 * bend * way * way;
+            if way == whole {
+                let by = |i: usize, j: usize| bent[i] * bent[j] / bend;
+                there.by_way = [s[0][0] - by(0, 0), s[0][1] - by(0, 1), s[1][1] - by(1, 1)];
+                there.by_turn = [0, 1].map(|i| [0, 1].map(|j| bent[i] * e[j] / bend));
+            }
+            there
+        };
+        let higher = |a: Shade, b: Shade| if b.height > a.height { b } else { a };
+        edges.iter().flatten().map(slid).fold(at_point, higher)
     }
 
     /// Not where two hollow surfaces fit so well that the contact says nothing.

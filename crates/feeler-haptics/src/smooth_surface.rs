@@ -2,7 +2,8 @@
 //! edge.
 //!
 //! Normals are interpolated over a triangle from those at its corners (Phong 1975), which are means over the smooth fan
-//! around each corner, weighted by angles; a large flat face keeps its own normal there beside a narrow fillet.
+//! around each corner, weighted by angles; a flat face beside a fillet keeps its own normal there, and the fillet takes
+//! it over.
 //! Computed on demand from some dozens of triangles around: nothing is stored for a mock-up.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub, unit};
@@ -11,7 +12,7 @@ use feeler_core::{Point, Triangle};
 
 use crate::constants::{
     BEND_LIKENESS, EDGE_SHARE, FLAT_BEND, LARGEST_BULGE_M, LARGEST_FAN, LARGEST_FLAT_WALK, LARGEST_SMOOTH_BEND,
-    LIKE_AREAS, PARALLEL_COSINE,
+    LIKE_WIDTHS, PARALLEL_COSINE,
 };
 
 /// Bends of a surface, a symmetric matrix in the two directions of a plane: `[xx, xy, yy]`, one over metres. Positive where it is convex.
@@ -28,6 +29,15 @@ pub(crate) struct SurfacePoint {
     pub height: f64,
     /// The same where it is most, metres.
     pub bulge: f64,
+}
+
+/// A straight piece of a real edge, seen from a point on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Edge {
+    /// Unit.
+    pub direction: Point,
+    /// How far it goes on against the direction, and along it, metres.
+    pub ends: [f64; 2],
 }
 
 /// A mesh with its topology, placed in the world by `triangle`.
@@ -60,8 +70,7 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
             let is_at_corner = shares[(k + 1) % 3].max(shares[(k + 2) % 3]) <= EDGE_SHARE;
             let is_on_side = shares[(k + 2) % 3] <= EDGE_SHARE;
             is_edge |= is_at_corner && !is_whole;
-            is_edge |=
-                is_on_side && !self.across(&facet, k).is_some_and(|(next, l)| self.is_smooth(&facet, k, &next, l));
+            is_edge |= is_on_side && !self.is_smooth_side(&facet, k);
         }
         let mean = (0..3).fold([0.0; 3], |sum, k| add(&sum, &scaled(&normals[k], shares[k])));
         let curvature = if is_edge { None } else { Some(bends(&facet.corners, &normals, directions)?) };
@@ -74,16 +83,34 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
         Some(SurfacePoint { normal: unit(&mean)?, curvature, height, bulge })
     }
 
+    /// The real edges that a point on a triangle is on, as far as the triangle has them.
+    pub fn edges(&self, triangle: u32, point: &Point, outward: &Point) -> [Option<Edge>; 2] {
+        let mut edges = [None; 2];
+        let Some(facet) = self.facet(triangle, outward) else { return edges };
+        let Some(shares) = shares_of(&facet, point) else { return edges };
+        let on = (0..3).filter(|k| shares[(k + 2) % 3] <= EDGE_SHARE && !self.is_smooth_side(&facet, *k));
+        for (edge, k) in edges.iter_mut().zip(on) {
+            let side = side_of(&facet, k);
+            let size = length(&side);
+            let ends = [shares[(k + 1) % 3] * size, shares[k] * size];
+            *edge = unit(&side).map(|direction| Edge { direction, ends });
+        }
+        edges
+    }
+
     fn first(&self, id: u32, outward: &Point) -> Option<Facet> {
+        // A normal that far off is of a triangle that the contact meets with its rim only.
+        self.facet(id, outward).filter(|facet| dot(&facet.normal, outward) > LARGEST_SMOOTH_BEND.cos())
+    }
+
+    fn facet(&self, id: u32, outward: &Point) -> Option<Facet> {
         let corners = (self.triangle)(id);
         let own = normal(&corners)?;
-        let along = dot(&own, outward);
         let sense = match self.adjacency.outward[id as usize] {
-            0 => along.signum(),
+            0 => dot(&own, outward).signum(),
             known => f64::from(known),
         };
-        // A normal that far off is of a triangle that the contact meets with its rim only.
-        (sense * along > LARGEST_SMOOTH_BEND.cos()).then(|| Facet { id, corners, normal: scaled(&own, sense), sense })
+        Some(Facet { id, corners, normal: scaled(&own, sense), sense })
     }
 
     /// The triangle across the side from corner `k` to the next, and which of its sides that is.
@@ -108,47 +135,75 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
     /// The mean of the normals of the smooth fan around a corner, as long as it comes, and whether the fan is closed.
     fn corner_normal(&self, facet: &Facet, corner: usize) -> (Point, bool) {
         let at = facet.corners[corner];
-        let mut fan = vec![weighted(facet, corner)];
+        let mut fan = Fan::of(facet, corner);
         for first_side in [corner, (corner + 2) % 3] {
             let (mut facet_now, mut side) = (*facet, first_side);
             for step in 0.. {
                 let Some((next, back)) = self.across(&facet_now, side) else { break };
-                if step == LARGEST_FAN || !self.is_smooth(&facet_now, side, &next, back) {
+                let Some(flatter) = self.smooth(&facet_now, side, &next, back).filter(|_| step < LARGEST_FAN) else {
                     break;
+                };
+                match flatter {
+                    Flatter::This => fan.add_flat(&facet_now),
+                    Flatter::Next => fan.add_flat(&next),
+                    Flatter::Neither => {}
                 }
                 if next.id == facet.id {
-                    return (mean_of(&fan), true);
+                    return (fan.mean(), true);
                 }
                 let [p, q] = [back, (back + 1) % 3];
                 let is_first = length(&sub(&next.corners[p], &at)) <= length(&sub(&next.corners[q], &at));
                 let own = if is_first { p } else { q };
-                fan.push(weighted(&next, own));
+                fan.add(&next, own);
                 side = if own == back { (own + 2) % 3 } else { own };
                 facet_now = next;
             }
         }
-        (mean_of(&fan), false)
+        (fan.mean(), false)
+    }
+
+    fn is_smooth_side(&self, facet: &Facet, k: usize) -> bool {
+        self.across(facet, k).is_some_and(|(next, l)| self.smooth(facet, k, &next, l).is_some())
     }
 
     /// Whether the side between two triangles is one of the tessellation and not of the body: it bends little, and beyond one of the two
-    /// the surface bends on alike. A roof of two flat faces has a real edge, however flat.
-    fn is_smooth(&self, facet: &Facet, k: usize, next: &Facet, l: usize) -> bool {
+    /// the surface bends on alike. A roof of two flat faces has a real edge, however flat. If so, which of the two is of a flat face,
+    /// much wider than the other one, that the curved surface ends at.
+    fn smooth(&self, facet: &Facet, k: usize, next: &Facet, l: usize) -> Option<Flatter> {
         let bend = bend(facet, k, next);
         if bend.abs() <= FLAT_BEND {
-            return true;
+            return Some(Flatter::Neither);
         }
-        bend.abs() <= LARGEST_SMOOTH_BEND && (self.bends_on(facet, k, bend) || self.bends_on(next, l, bend))
+        if bend.abs() > LARGEST_SMOOTH_BEND {
+            return None;
+        }
+        let ((own, is_own), (others, is_others)) = (self.bends_on(facet, k, bend), self.bends_on(next, l, bend));
+        if !(is_own || is_others) {
+            None
+        } else if own > LIKE_WIDTHS * others {
+            Some(Flatter::This)
+        } else if others > LIKE_WIDTHS * own {
+            Some(Flatter::Next)
+        } else {
+            Some(Flatter::Neither)
+        }
     }
 
-    /// Whether the flat face of a triangle ends, across from one of its sides, with a bend like that one's, and so near that an arc
-    /// between the two does not stand out far.
-    fn bends_on(&self, facet: &Facet, side: usize, bend_there: f64) -> bool {
+    /// How wide the flat face of a triangle is across from one of its sides, metres, and whether it ends there with a bend like that
+    /// one's, and so near that an arc between the two does not stand out far.
+    fn bends_on(&self, facet: &Facet, side: usize, bend_there: f64) -> (f64, bool) {
         let (along, middle) = (side_of(facet, side), middle_of(facet, side));
         let mut faces = [(*facet, side); LARGEST_FLAT_WALK];
         let (mut count, mut done) = (1, 0);
+        let (mut width, mut is_like): (f64, bool) = (0.0, false);
+        let apart = |p: &Point| {
+            let way = sub(p, &facet.corners[side]);
+            length(&cross(&way, &along)) / length(&along)
+        };
         while done < count {
             let (now, from) = faces[done];
             done += 1;
+            width = now.corners.iter().map(apart).fold(width, f64::max);
             for k in (0..3).filter(|k| *k != from) {
                 let Some((next, back)) = self.across(&now, k) else { continue };
                 let bend = bend(&now, k, &next);
@@ -164,17 +219,14 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
                 let way = sub(&middle_of(&now, k), &middle);
                 let beside = dot(&way, &along) / length(&along);
                 let across = (dot(&way, &way) - beside * beside).max(0.0).sqrt();
-                if (1.0 / BEND_LIKENESS..=BEND_LIKENESS).contains(&ratio)
+                is_like |= (1.0 / BEND_LIKENESS..=BEND_LIKENESS).contains(&ratio)
                     && bend.abs() <= LARGEST_SMOOTH_BEND
                     && across >= beside.abs()
                     && 0.125 * bend_there.abs() * across <= LARGEST_BULGE_M
-                    && dot(&direction, &along).abs() >= PARALLEL_COSINE * length(&direction) * length(&along)
-                {
-                    return true;
-                }
+                    && dot(&direction, &along).abs() >= PARALLEL_COSINE * length(&direction) * length(&along);
             }
         }
-        false
+        (width, is_like)
     }
 }
 
@@ -186,18 +238,45 @@ fn middle_of(facet: &Facet, k: usize) -> Point {
     scaled(&add(&facet.corners[k], &facet.corners[(k + 1) % 3]), 0.5)
 }
 
-/// A facet's normal times its angle at a corner, and its area.
-fn weighted(facet: &Facet, corner: usize) -> (Point, f64) {
-    let [a, b, c] = [0, 1, 2].map(|k| &facet.corners[(corner + k) % 3]);
-    let (p, q) = (sub(b, a), sub(c, a));
-    let area = length(&cross(&p, &q));
-    (scaled(&facet.normal, area.atan2(dot(&p, &q))), area)
+/// Of two triangles beside each other on a smooth surface, the one that is of a flat face where the curved surface ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Flatter {
+    This,
+    Next,
+    Neither,
 }
 
-/// Facets that are much smaller than the largest count less.
-fn mean_of(fan: &[(Point, f64)]) -> Point {
-    let least = fan.iter().fold(0.0, |most: f64, (_, area)| most.max(*area)) / LIKE_AREAS;
-    fan.iter().fold([0.0; 3], |sum, (normal, area)| add(&sum, &scaled(normal, (area / least).powi(2).min(1.0))))
+/// The smooth fan around a corner: the sum of its normals times their angles there, and that of its flat faces alone.
+struct Fan {
+    sum: Point,
+    flat: Point,
+}
+
+impl Fan {
+    fn of(facet: &Facet, corner: usize) -> Fan {
+        let mut fan = Fan { sum: [0.0; 3], flat: [0.0; 3] };
+        fan.add(facet, corner);
+        fan
+    }
+
+    fn add(&mut self, facet: &Facet, corner: usize) {
+        let [a, b, c] = [0, 1, 2].map(|k| &facet.corners[(corner + k) % 3]);
+        let (p, q) = (sub(b, a), sub(c, a));
+        let angle = length(&cross(&p, &q)).atan2(dot(&p, &q));
+        self.sum = add(&self.sum, &scaled(&facet.normal, angle));
+    }
+
+    fn add_flat(&mut self, facet: &Facet) {
+        self.flat = add(&self.flat, &facet.normal);
+    }
+
+    fn mean(&self) -> Point {
+        if self.flat == [0.0; 3] {
+            self.sum
+        } else {
+            self.flat
+        }
+    }
 }
 
 /// The angle between two facets, as the length of its chord; negative where the surface is hollow.
