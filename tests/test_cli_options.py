@@ -12,6 +12,7 @@ from commands import error_of, run, run_json
 from shapes import box
 
 import feeler
+from feeler.choices import SAMPLE_TOOL_NAMES
 from feeler.cli import app, values
 from feeler.cli.options import Option, in_command_line_words, in_text
 from feeler.io import write_glb, write_stl
@@ -282,3 +283,9 @@ def test_a_file_to_edit_is_started_once(
     assert f"{option} x.toml: the file exists" in said and "give another name, or delete it" in said
     assert Path("x.toml").read_text() == edited
     assert "must not exist yet" in " ".join(run(name, "--help").stdout.replace("\u2502", "").split())
+
+
+@pytest.mark.parametrize("name", list(commands()))
+def test_sample_tools_of_examples_exist(name: str) -> None:
+    shown = run(*name.split(), "--help").stdout
+    assert set(re.findall(r"--(?:tool|hand) sample:(\w+)", shown)) <= set(SAMPLE_TOOL_NAMES)

@@ -23,6 +23,7 @@ import feeler.haptics
 import feeler.picture
 from feeler.errors import OptionError
 from feeler.io import Mark, Motion, WriteError, animated_glb, body_of, with_marks, write_glb, write_stl
+from feeler.io.film import motion_of
 from feeler.picture import write_collision_glb
 
 CUBE_VERTICES = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -352,3 +353,34 @@ def test_nothing_to_write_is_an_error(tmp_path: Path) -> None:
         write_glb(tmp_path / "a.glb", cubes(["a", "b"]), colours=np.zeros((3, 3)))
     with pytest.raises(feeler.MeshError, match=r"\(n, 3\)"):
         write_glb(tmp_path / "a.glb", SimpleNamespace(vertices=np.zeros(3), faces=np.zeros((1, 3), dtype=int)))
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ([1.79e9, 1.79e9 + 0.01, 1.79e9 + 0.02], "are equal in float32"),
+        ([0.0, 1.0, 1.0], "are equal in float32"),
+        ([0.0, 1e-60, 1.0], "are equal in float32"),
+        ([0.0, 1.0, 1e39], "which float32 cannot hold"),
+        ([-1.0, 0.0, 1.0], "no negative times"),
+    ],
+)
+def test_times_that_gltf_cannot_hold_are_refused(times: list[float], message: str) -> None:
+    motion = Motion(0, np.array(times), np.stack([np.eye(4)] * 3))
+    with pytest.raises(OptionError, match=message):
+        animated_glb(cubes(["a"]), [motion])
+
+
+def test_motions_take_lists_and_have_a_time() -> None:
+    listed = Motion(0, [0, 1], [np.eye(4)] * 2)  # type: ignore[arg-type]
+    arrays = Motion(0, np.array([0.0, 1.0]), np.stack([np.eye(4)] * 2))
+    assert animated_glb(cubes(["a"]), [listed]) == animated_glb(cubes(["a"]), [arrays])
+    with pytest.raises(OptionError, match="no times"):
+        animated_glb(cubes(["a"]), [Motion(0, np.empty(0), np.empty((0, 4, 4)))])
+
+
+def test_a_film_tells_times_apart_that_are_equal_in_float32(tmp_path: Path) -> None:
+    times = np.array([0.0, 20.0, 20.0 + 1e-7, 20.0 + 2e-7, 20.000002])
+    (tmp_path / "a.glb").write_bytes(animated_glb(cubes(["a"]), [motion_of(0, times, np.stack([np.eye(4)] * 5))]))
+    kept = feeler.load_tracks(tmp_path / "a.glb").times
+    assert len(kept) == 5 and (np.diff(kept) > 0.0).all() and kept == pytest.approx(times, abs=1e-5)

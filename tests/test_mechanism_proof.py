@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from commands import run
-from shapes import box, prism_ring
+from shapes import box, mockup_of, prism_ring
 
 import feeler
 from feeler import Joint, JointCoupling, Mechanism
@@ -559,3 +559,24 @@ def test_the_reach_of_an_arm_is_bounded_from_both_sides() -> None:
     assert found.lower <= truth <= found.upper <= found.lower + 1.01e-3
     assert (found.path, found.other_path, found.undecided) == ("lower", "wall", 0.0)
     assert found.worst == pytest.approx({"shoulder": 0.4, "elbow": -0.9}, abs=0.01)
+
+
+def test_the_part_that_the_asked_joint_moves_comes_first() -> None:
+    # The hinge stands; the link that it moves is made before that of the slide.
+    mock = mockup_of(
+        {
+            "door": box((0.0, 0.0, 0.0), (1.0, 0.05, 1.0)),
+            "drawer": box((3.0, 0.0, 0.0), (3.5, 0.5, 0.2)),
+            "stop": box((4.0, 0.0, 0.0), (4.1, 0.5, 0.2)),
+        }
+    )
+    hinge = Joint("hinge", "revolute", None, "door", axis=(0, 0, 1), limits=(0, 2))
+    slide = Joint("slide", "prismatic", None, "drawer", axis=(1, 0, 0))
+    for joints in ([hinge, slide], [slide, hinge], [slide]):
+        moved = Mechanism(mock, joints)
+        found = moved.range("slide")
+        assert found.below is not None and found.above is not None
+        assert (found.below.path, found.below.other_path, found.below.normal) == ("drawer", "door", (1.0, 0.0, 0.0))
+        assert (found.above.path, found.above.other_path, found.above.normal) == ("drawer", "stop", (-1.0, 0.0, 0.0))
+        met = moved.clash({"slide": (-2.5, 0.0)}).contacts
+        assert [(each.path, each.other_path) for each in met] == [("drawer", "door")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -261,3 +262,13 @@ def test_no_turn_of_a_box_in_a_window_is_missed(aspect: float) -> None:
         truth = float(np.minimum(width / (c + aspect * s), height / (s + aspect * c)).max())
         found = feeler.opening(posed(frame_of(width, height), turn, shift), shift, turn[:, 2], aspect=aspect)
         assert about(found.width, truth), (width, height)
+
+
+def test_sizes_beyond_the_most_are_none_in_json() -> None:
+    rows = (("arm", "cylinder", 0.1, 0.0), ("lid", "box", 0.2, 0.1))
+    limits = [feeler.OpeningLimit(*row, "own") for row in rows]
+    found = feeler.opening(feeler.Scene(mockup_of({"plate": round_hole(0.3)})), (0, 0, 0), Z, most=0.2, limits=limits)
+    assert math.isinf(found.ball) and math.isinf(found.fits[0].largest)
+    row = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    assert [row[name] for name in ("ball", "cylinder", "width", "height")] == [None] * 4
+    assert [fit["largest"] for fit in row["fits"]] == [None, None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import json
 import pickle
 from collections.abc import Callable
@@ -434,3 +435,10 @@ def test_a_document_shares_what_did_not_change(bench: Bench) -> None:
     before = bench.session.current
     bench.command("set_unit", unit="m")
     assert bench.session.current.hidden is before.hidden and bench.session.current.gripped is before.gripped
+
+
+def test_a_view_is_neither_pickled_nor_copied() -> None:
+    with feeler.view(stand(), browser=False) as view:
+        for make in (pickle.dumps, copy.copy):
+            with pytest.raises(TypeError, match="a View cannot be pickled or copied"):
+                make(view)

@@ -24,7 +24,7 @@ class Collision:
         """`(k, 2)`: tool triangle and mock-up triangle; unique, sorted by row, read-only."""
     @property
     def kinds(self) -> npt.NDArray[np.str_]:
-        """`(k,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call."""
+        """`(k,)`: the word of a `feeler.PairKind` for each pair, `numpy.str_`; read-only, made anew at each call."""
     @property
     def kind_codes(self) -> npt.NDArray[np.uint8]:
         """`(k,)`: the `PairKind.code` of each pair, one byte each; read-only."""
@@ -63,7 +63,7 @@ class Batch:
         """`(K, 2)`: tool triangle and mock-up triangle, sorted within each pose; read-only."""
     @property
     def kinds(self) -> npt.NDArray[np.str_]:
-        """`(K,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call."""
+        """`(K,)`: the word of a `feeler.PairKind` for each pair, `numpy.str_`; read-only, made anew at each call."""
     @property
     def kind_codes(self) -> npt.NDArray[np.uint8]:
         """`(K,)`: the `PairKind.code` of each pair, one byte each; read-only."""

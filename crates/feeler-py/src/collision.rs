@@ -107,7 +107,7 @@ impl Collision {
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
-    /// `(k,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call.
+    /// `(k,)`: the word of a `feeler.PairKind` for each pair, `numpy.str_`; read-only, made anew at each call.
     #[getter]
     fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Word>> {
         words(py, &self.core.kinds)
@@ -219,7 +219,7 @@ impl Batch {
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
-    /// `(K,)`: a `feeler.PairKind` for each pair, as words; read-only, made anew at each call.
+    /// `(K,)`: the word of a `feeler.PairKind` for each pair, `numpy.str_`; read-only, made anew at each call.
     #[getter]
     fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Word>> {
         words(py, &self.core.kinds)

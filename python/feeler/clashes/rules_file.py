@@ -12,6 +12,7 @@ from feeler.atomic import atomic_file
 from feeler.clashes.fastener_rule import is_fastener
 from feeler.clashes.result import Clashes
 from feeler.clashes.rules import VERSION
+from feeler.io.toml import LONE, quoted
 
 _WRITTEN = 30
 """Most rules, and most pairs in contact, that `write_rules` lists. Nobody reads more."""
@@ -43,8 +44,8 @@ def _text(clashes: Clashes) -> str:
     for (one, other), number in count.most_common(_WRITTEN):
         name = _unused(f"within {_last(one)}" if one == other else f"{_last(one)} against {_last(other)}", names)
         lines += [
-            *("", "[[rule]]", f"name = {_quoted(name)}  # {number:,} findings"),
-            *(f"a = {_quoted(pattern_of(one))}", f"b = {_quoted(pattern_of(other))}"),
+            *("", "[[rule]]", f"name = {quoted(name)}  # {number:,} findings"),
+            *(f"a = {quoted(pattern_of(one))}", f"b = {quoted(pattern_of(other))}"),
             *(f"clearance = {facts.clearance!r}", f"contact = {contact}", 'severity = "major"'),
         ]
     touching = clashes.where(verdict="contact")
@@ -55,8 +56,8 @@ def _text(clashes: Clashes) -> str:
     if mates:
         lines += ["", f"# {len(touching):,} pairs touch. Exclude those that are meant to, such as:"]
     for one, other in list(mates)[:_WRITTEN]:
-        lines += ["#", "# [[exclude]]", f"# name = {_quoted(f'{_last(one)} on {_last(other)}')}"]
-        lines += [f"# a = {_quoted(pattern_of(one))}", f"# b = {_quoted(pattern_of(other))}"]
+        lines += ["#", "# [[exclude]]", f"# name = {quoted(f'{_last(one)} on {_last(other)}')}"]
+        lines += [f"# a = {quoted(pattern_of(one))}", f"# b = {quoted(pattern_of(other))}"]
     fastened = sum(
         is_fastener(clashes.part_paths[a]) is True or is_fastener(clashes.part_paths[b]) is True
         for a, b in zip(clashes.parts_a.tolist(), clashes.parts_b.tolist(), strict=True)
@@ -101,16 +102,5 @@ def _unused(name: str, names: set[str]) -> str:
 
 def pattern_of(path: str) -> str:
     """What names a path and all below it: the path, or a regular expression where rules misread the path."""
-    is_plain = (
-        path not in ("", "*") and not path.startswith("re:") and not path.endswith("/") and not _LONE.search(path)
-    )
-    return path if is_plain else f"re:(?s:{_LONE.sub('.', re.escape(path))}(/.*)?)"
-
-
-_LONE = re.compile("[\ud800-\udfff]")
-"""Halves of surrogate pairs, which no file can store."""
-
-
-def _quoted(text: str) -> str:
-    """A basic string of TOML."""
-    return json.dumps(_LONE.sub("?", text), ensure_ascii=False).replace("\x7f", "\\u007f")
+    is_plain = path not in ("", "*") and not path.startswith("re:") and not path.endswith("/") and not LONE.search(path)
+    return path if is_plain else f"re:(?s:{LONE.sub('.', re.escape(path))}(/.*)?)"

@@ -59,7 +59,7 @@ feeler feel --seconds 10
 feeler feel --check --device haply --device-option force_n=3
 feeler feel engine.step --tool wrench.stl --device haply --scale 3
 feeler feel engine.step --part "*fuel pump*" --device spacemouse
-feeler feel sample:turbine:1600000 --tool sample:blade --seconds 20 --json
+feeler feel sample:turbine:1600000 --tool sample:wrench --seconds 20 --json
 feeler feel --seconds 5 --record feel.npz
 """,
 )

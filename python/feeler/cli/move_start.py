@@ -120,7 +120,7 @@ def _name(text: str, taken: set[str]) -> str:
 
 def _template(path: Path, world: feeler.Mockup) -> None:
     from feeler.atomic import atomic_file
-    from feeler.mechanism.files import quoted
+    from feeler.io.toml import quoted
 
     part = world.parts[0]
     point = [float(value) for value in np.asarray(part.lower)]

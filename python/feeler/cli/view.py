@@ -70,7 +70,7 @@ feeler view
 feeler view sample:gearbox
 feeler view engine.step --tool wrench.stl
 feeler view engine.step --without "*cover*" --record session.jsonl
-feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
+feeler view sample:turbine:1600000 --tool sample:wrench --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
 feeler view sample:engine:10000000 --benchmark
 feeler view engine.step --findings clashes.json

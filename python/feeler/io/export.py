@@ -60,7 +60,7 @@ def write_glb(path: str | os.PathLike[str], *meshes: MeshLike, colours: npt.Arra
 @dataclass(frozen=True, eq=False)
 class Motion:
     """The motion of a part. times: `(k,)` seconds, ascending; poses: `(k, 4, 4)` world_from_part, the identity at
-    home."""
+    home; both are kept as arrays."""
 
     part: int
     times: FloatArray
@@ -71,14 +71,16 @@ class Motion:
         times = check_array("times", self.times, (None,))
         if (np.diff(times) < 0.0).any():
             raise OptionError("times do not ascend: give seconds, (k,), in order")
-        check_array("poses", self.poses, (len(times), 4, 4))
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "poses", check_array("poses", self.poses, (len(times), 4, 4)))
 
 
 def animated_glb(mesh: MeshLike, motions: Sequence[Motion], *, colours: npt.ArrayLike | None = None) -> bytes:
     """A binary glTF 2.0 file of a mock-up, tool or body whose parts move; `part` of a motion is one of the mesh's.
 
-    As `write_glb`; between two poses a part moves straight, and turns the shorter way. Raises `MeshError`,
-    and `OptionError` for parts that are not there.
+    As `write_glb`; between two poses a part moves straight, and turns the shorter way. Times are stored as float32.
+    Raises `MeshError`, and `OptionError` for parts that are not there, for motions without times, and for times that
+    are negative, beyond float32, or equal there.
     """
     body = body_of(mesh, colours=colours)
     document = _Document()
@@ -113,6 +115,25 @@ def write_stl(path: str | os.PathLike[str], mesh: MeshLike, *, unit: StlUnit = "
         file.write(header + struct.pack("<I", len(triangles)))
         file.write(_bytes(triangles))
     return 84 + triangles.nbytes
+
+
+def _moments(times: FloatArray) -> npt.NDArray[np.float32]:
+    """Times as glTF keeps them, of which each is later than the one before and none is negative."""
+    if not len(times):
+        raise OptionError("a motion has no times: give one pose or more")
+    if times[0] < 0.0:
+        raise OptionError(f"times begin at {times[0]:g} s: glTF has no negative times, count them from 0 on")
+    if times[-1] > np.finfo(np.float32).max:
+        raise OptionError(f"times reach {times[-1]:g} s, which float32 cannot hold: count them from 0 on")
+    kept = times.astype(np.float32)
+    same = np.flatnonzero(np.diff(kept) <= 0.0)
+    if len(same):
+        first, second = times[same[0]], times[same[0] + 1]
+        raise OptionError(
+            f"the times {first!s} and {second!s} s are equal in float32, as which glTF keeps them: count them from 0 "
+            "on, each later than the one before"
+        )
+    return kept
 
 
 class _Document:
@@ -186,7 +207,7 @@ class _Document:
     def animate(self, motion: Motion) -> None:
         """Moves a part's node, with its children if there are any."""
         node, origin = self.part_nodes[motion.part]
-        times = np.asarray(motion.times, dtype=np.float32)
+        times = _moments(motion.times)
         turns = np.array([quaternion(pose[:3, :3]) for pose in motion.poses])
         for i in range(1, len(turns)):
             # Both signs are the same rotation; the nearer one is the shorter way.

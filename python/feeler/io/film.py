@@ -82,7 +82,19 @@ def motions_of(legs: Sequence[Leg], mockup: Mockup, place: Mapping[int, int]) ->
             # It rests until its next motion.
             times[part].append(now)
             poses[part].append(poses[part][-1])
-    return [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in sorted(times)]
+    return [motion_of(place[part], np.array(times[part]), np.stack(poses[part])) for part in sorted(times)]
+
+
+def motion_of(part: int, times: FloatArray, poses: FloatArray) -> Motion:
+    """The motion of a part of a film. Times that are equal in float32, as which films keep them, are told apart."""
+    kept = times.astype(np.float32)
+    for place in np.flatnonzero(np.diff(kept) <= 0.0).tolist():
+        # Each may push the next one on.
+        after = place + 1
+        while after < len(kept) and kept[after] <= kept[after - 1]:
+            kept[after] = np.nextafter(kept[after - 1], np.float32(np.inf))
+            after += 1
+    return Motion(part, kept.astype(np.float64), poses)
 
 
 def with_neighbours(mockup: Mockup, moving: Sequence[int], absent: Sequence[int] = ()) -> list[int]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -31,3 +33,12 @@ def parsed_toml(text: str, where: str) -> dict[str, Any]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise LoadError(f"{where}: not valid TOML: {error}") from None
     return data
+
+
+LONE = re.compile("[\ud800-\udfff]")
+"""Halves of surrogate pairs, such as Python has in names that are not UTF-8, which no file can store."""
+
+
+def quoted(text: str) -> str:
+    """A text as a basic string of TOML; lone surrogates become question marks."""
+    return json.dumps(LONE.sub("?", text), ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -32,11 +32,11 @@ def clashes_of(mechanism: Positions, values: Mapping[str, float | tuple[float, f
         waiting = list(mechanism.bodies.seats(*pair))
         for leg in legs:
             while (met := exactly(mechanism, pair, leg, skipped)) is not None:
-                found.append(contact(mechanism, leg, pair, met))
+                found.append(contact(mechanism, leg, pair, met, name))
                 skipped.add((met.number, met.other))
             for seat in list(waiting):
                 if (met := seat_meeting(mechanism, pair, seat, leg)) is not None:
-                    found.append(contact(mechanism, leg, pair, met))
+                    found.append(contact(mechanism, leg, pair, met, name))
                     waiting.remove(seat)
     ordered = tuple(sorted(found, key=lambda each: each.value))
     return MechanismClashes(

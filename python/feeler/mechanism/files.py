@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Sequence
@@ -14,7 +13,7 @@ import numpy as np
 from feeler.atomic import atomic_file
 from feeler.errors import FeelerError, LoadError
 from feeler.io.text import text_of
-from feeler.io.toml import toml_of
+from feeler.io.toml import quoted, toml_of
 from feeler.mechanism.coupling import JointCoupling
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mockup import Mockup
@@ -239,8 +238,3 @@ def _parts(mockup: Mockup, parts: PartsLike) -> str:
     if isinstance(parts, (int, np.integer)):
         return str(int(parts))
     return f"[{', '.join(_parts(mockup, each) for each in parts)}]"
-
-
-def quoted(text: str) -> str:
-    """A text as TOML writes it."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

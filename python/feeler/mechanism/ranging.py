@@ -183,7 +183,7 @@ def _meeting(
     if met is None:
         return None
     if leg.off <= STRAIGHT_M or most == 0:
-        return contact(mechanism, leg, *met)
+        return contact(mechanism, leg, *met, name)
     for half in halves(mechanism, name, at, leg):
         found = _meeting(mechanism, name, at, half, pairs, most - 1)
         if found is not None:
@@ -270,20 +270,36 @@ def _seat_on(mechanism: Positions, pair: tuple[int, int], seat: Seated, leg: Leg
     return found
 
 
-def contact(mechanism: Positions, leg: Leg, pair: tuple[int, int], met: Meeting) -> MechanismContact:
-    """A meeting in the world."""
+def contact(mechanism: Positions, leg: Leg, pair: tuple[int, int], met: Meeting, name: str = "") -> MechanismContact:
+    """A meeting in the world; the part that a joint moves is the first. name: of the joint, if one is asked."""
     there = mechanism.links.poses(leg.at(met.share))[pair[1]]
     point, normal = there[:3, :3] @ met.point + there[:3, 3], there[:3, :3] @ met.normal
+    part, other = met.part, met.other
+    if _moves_second(mechanism, leg, pair, name):
+        # Zeros stay without a sign.
+        part, other, normal = other, part, 0.0 - normal
     paths = mechanism.mockup.part_paths
     return MechanismContact(
         leg.value(met.share),
-        met.part,
-        met.other,
-        paths[met.part],
-        paths[met.other],
+        part,
+        other,
+        paths[part],
+        paths[other],
         (float(point[0]), float(point[1]), float(point[2])),
         (float(normal[0]), float(normal[1]), float(normal[2])),
     )
+
+
+def _moves_second(mechanism: Positions, leg: Leg, pair: tuple[int, int], name: str) -> bool:
+    """Whether a joint moves the second of two links, not the first; what follows it counts where it is between
+    neither."""
+    first, second = (
+        {each for n in side for each in mechanism.links.links[n].joint.names} for side in mechanism.links.between(*pair)
+    )
+    if name in first or name in second:
+        return name in second
+    moved = {each for each in first | second if leg.start[each] != leg.end[each]}
+    return bool(moved & second) and not moved & first
 
 
 def reaches(mechanism: Positions, *places: Mapping[str, float]) -> dict[str, float]:

@@ -12,8 +12,8 @@ import numpy as np
 from feeler.atomic import atomic_file
 from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, RED, STEEL_BLUE, FloatArray, body_of
-from feeler.io.export import Motion, animated_glb
-from feeler.io.film import PAUSE_S, moments, with_neighbours
+from feeler.io.export import animated_glb
+from feeler.io.film import PAUSE_S, moments, motion_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.plan.order import RemovalStep
 from feeler.plan.removal import Removal
@@ -69,7 +69,7 @@ def write_removal_glb(
         # A part rests before and after its motion.
         whole = np.concatenate([[0.0], times]) if now > 0.0 else times
         path_of = np.concatenate([np.eye(4)[None], poses]) if now > 0.0 else poses
-        motions += [Motion(each, whole, path_of) for each in together]
+        motions += [motion_of(each, whole, path_of) for each in together]
         now = float(times[-1]) + PAUSE_S
     with atomic_file(path, ".glb") as file:
         data = animated_glb(body_of(scene, colours=colours), motions)

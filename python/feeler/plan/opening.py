@@ -99,11 +99,16 @@ class Opening:
     """One for each limit."""
 
     def to_dict(self) -> dict[str, Any]:
-        """A dict of plain Python values, as JSON takes them."""
+        """A dict of plain Python values, as JSON takes them; None for what is infinite."""
         row = {name: value for name, value in vars(self).items() if name not in ("at", "axis", "across", "fits")}
         row |= {name: getattr(self, name).tolist() for name in ("at", "axis", "across")}
+        row |= {name: _finite(row[name]) for name in ("ball", "cylinder", "width", "height")}
         row["stopped_by"] = dict(self.stopped_by)
-        return {**row, "fits": [asdict(each) for each in self.fits]}
+        return {**row, "fits": [{**asdict(each), "largest": _finite(each.largest)} for each in self.fits]}
+
+
+def _finite(size: float) -> float | None:
+    return size if math.isfinite(size) else None
 
 
 def opening(

@@ -12,7 +12,7 @@ from feeler.atomic import atomic_file
 from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, ORANGE, STEEL_BLUE, body_of
 from feeler.io.export import Motion, animated_glb
-from feeler.io.film import moments, with_neighbours
+from feeler.io.film import moments, motion_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.plan.as_glb import in_steps
 from feeler.tasks.reached import TaskTools, shape_of
@@ -173,4 +173,4 @@ class _Track:
 
     def motion(self, part: int) -> Motion:
         """Of a part of the film."""
-        return Motion(part, np.array(self._times), np.stack(self._poses))
+        return motion_of(part, np.array(self._times), np.stack(self._poses))

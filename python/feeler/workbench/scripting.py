@@ -11,7 +11,7 @@ import warnings
 import webbrowser
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import NoReturn, Protocol
 
 import numpy as np
 
@@ -143,6 +143,9 @@ class View(ViewCommands):
         self._watchers: list[_Watcher] = []
         self._is_closed = False
         _OPEN.add(self)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a View cannot be pickled or copied: open one with feeler.view where it is needed")
 
     def command(self, name: str, /, **args: object) -> CommandAnswer:
         """Runs a command of the page by its name, such as `view.command("hide", parts="*screw*")`.

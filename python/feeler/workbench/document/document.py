@@ -181,7 +181,7 @@ class Removal:
     def way_key(self) -> str:
         """The same for the same parts on the same way, with the same tool."""
         told = repr((self.parts, self.way, self.starts, self.tool))
-        return hashlib.blake2b(told.encode(), digest_size=8).hexdigest()
+        return hashlib.blake2b(told.encode("utf-8", "surrogatepass"), digest_size=8).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -372,7 +372,7 @@ class TaskCatalogue:
 
 
 def _digest(text: str) -> str:
-    return hashlib.blake2b(text.encode(), digest_size=8).hexdigest() if text else ""
+    return hashlib.blake2b(text.encode("utf-8", "surrogatepass"), digest_size=8).hexdigest() if text else ""
 
 
 NO_EDIT = TaskEdits()

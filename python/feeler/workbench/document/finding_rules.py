@@ -16,6 +16,7 @@ from feeler.clashes.limits import both_sides
 from feeler.clashes.rules_file import pattern_of
 from feeler.clashes.tracking import NEW
 from feeler.errors import FeelerError, OptionError
+from feeler.io.toml import quoted
 from feeler.parts import Parts, escaped
 from feeler.workbench.document.document import Findings
 from feeler.workbench.document.finding_table import FindingTable
@@ -38,7 +39,7 @@ def with_exclusion(rules: str, name: str, a: str, b: str) -> str:
     exclusion = Exclusion(name, (a,), (b,))
     if name in {each.name for each in Rules.parse(rules).exclusions}:
         raise OptionError(f"there is an exclusion {name!r} already: give another name")
-    lines = ["[[exclude]]", f"name = {_quoted(exclusion.name)}", f"a = {_quoted(a)}", f"b = {_quoted(b)}"]
+    lines = ["[[exclude]]", f"name = {quoted(exclusion.name)}", f"a = {quoted(a)}", f"b = {quoted(b)}"]
     made = "\n".join([*([rules.rstrip("\n"), ""] if rules.strip() else []), *lines]) + "\n"
     Rules.parse(made)
     return made
@@ -54,8 +55,8 @@ def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
     others = {each: now for each in words if (now := pattern(each)) != each}
     lines = rules.splitlines(keepends=True)
     for each, now in others.items():
-        for quoted in (_quoted(each), json.dumps(each), f"'{each}'"):
-            lines = [line if _NAME.match(line) else line.replace(quoted, _quoted(now)) for line in lines]
+        for old in (quoted(each), json.dumps(each), f"'{each}'"):
+            lines = [line if _NAME.match(line) else line.replace(old, quoted(now)) for line in lines]
     made = "".join(lines)
     try:
         after = Rules.parse(made)
@@ -107,8 +108,3 @@ def unused(name: str, taken: Iterable[str]) -> str:
     while made in names:
         made, number = f"{name} {number}", number + 1
     return made
-
-
-def _quoted(text: str) -> str:
-    """A basic string of TOML."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

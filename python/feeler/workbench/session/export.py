@@ -49,7 +49,7 @@ th, td {{ border-bottom: 1px solid #ccd2d8; padding: .4rem .8rem; text-align: le
 <tbody>
 {rows}
 </tbody></table></main></body></html>
-""".encode()
+""".encode("utf-8", "replace")
 
 
 def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> bytes:

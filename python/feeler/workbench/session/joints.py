@@ -499,7 +499,7 @@ def range_key(document: Document, name: str) -> str:
     group = name if own is None else own.group
     others = [(each.name, round(state.values.get(each.name, 0.0), 9)) for each in state.numbers if each.group != group]
     told = repr((name, asked_key(document), others))
-    return hashlib.blake2b(told.encode(), digest_size=12).hexdigest()
+    return hashlib.blake2b(told.encode("utf-8", "surrogatepass"), digest_size=12).hexdigest()
 
 
 def narrow_span(curve: motion.Floats, is_below: bool, is_above: bool) -> tuple[float, float] | None:

@@ -186,7 +186,7 @@ def _document(name: str, files: Mapping[str, File], compressed: bytes) -> bytes:
 <script type="module">{script}</script>
 </body>
 </html>
-""".encode()
+""".encode("utf-8", "replace")
 
 
 def _lines(file: File) -> str:

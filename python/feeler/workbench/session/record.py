@@ -34,7 +34,7 @@ def digest(mesh: Mockup | Tool) -> str:
     found = hashlib.sha256()
     for array in (mesh.vertices, mesh.faces, mesh.part_of_face):
         found.update(np.ascontiguousarray(array).data)
-    found.update("\0".join(mesh.part_paths).encode())
+    found.update("\0".join(mesh.part_paths).encode("utf-8", "surrogatepass"))
     return found.hexdigest()
 
 

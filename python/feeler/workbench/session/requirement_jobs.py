@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
-
 from feeler.errors import OptionError, WorkbenchError
+from feeler.io.toml import quoted
 from feeler.progress import Progress
 from feeler.requirements import Requirement, verify
 from feeler.workbench.document.answers import Written
@@ -65,7 +64,7 @@ def _toml(requirements: tuple[Requirement, ...]) -> str:
     lines = ["version = 1"]
     for each in requirements:
         (a,), (b,) = each.a, each.b
-        lines += ["", "[[requirement]]", f"name = {_quoted(each.name)}", f"a = {_quoted(a)}", f"b = {_quoted(b)}"]
+        lines += ["", "[[requirement]]", f"name = {quoted(each.name)}", f"a = {quoted(a)}", f"b = {quoted(b)}"]
         lines.append(f"gap = {each.gap!r}  # metres")
     return "\n".join(lines) + "\n"
 
@@ -73,8 +72,3 @@ def _toml(requirements: tuple[Requirement, ...]) -> str:
 def _short(text: str) -> str:
     """What is wrong, without what the page shows beside it."""
     return text.partition(": ")[2].partition(" (optional")[0] or text
-
-
-def _quoted(text: str) -> str:
-    """A basic string of TOML."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
