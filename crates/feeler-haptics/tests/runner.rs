@@ -228,6 +228,8 @@ fn a_mouse_is_steered_and_a_start_puts_the_tool_elsewhere() {
     until(&mut runner, |view| view.mode == Mode::Contact);
     // Its lower face is inside of the plate: through it, the tool could leave to either side.
     assert!(matches!(runner.start(&at([0.0, 0.0, 0.01], [0.0; 3])), Ok(Start::Seated(_))));
+    // Wherever the handle was by then, it goes further down.
+    steering.set_target(at([0.0, 0.0, -0.4], [0.0; 3]));
     let sunk = until(&mut runner, |view| view.device.translation()[2] < -0.05);
     assert!((sunk.proxy.translation()[2] - 0.01).abs() < 0.002 && sunk.mode != Mode::Free, "{sunk:?}");
 }
