@@ -13,8 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
-use feeler_core::geometry::vectors::length;
-use feeler_core::{GoOn, Pose, Scene, SurfaceNumbers, Tool};
+use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
+use feeler_core::{Gap, GoOn, IgnoredPairs, Point, Pose, Scene, SurfaceNumbers, Tool};
 
 use super::erosion::{Eroded, Erosion};
 use crate::constants::TOUCH;
@@ -200,9 +200,53 @@ pub fn find_seats(
     }
     let meeting: Vec<Seat> = found.seats.iter().filter(|seat| seat.kind.meets()).copied().collect();
     if !meeting.is_empty() {
-        found.regions = Some(Regions::new(scene, tool, &meeting, &met));
+        let mut regions = Regions::new(scene, tool, &meeting, &met);
+        let inside = pressed_inside((scene, &regions), tool, start, &meeting, goes_on)?;
+        if !inside.is_empty() {
+            regions = Regions::new(scene, tool, &meeting, &[met, inside].concat());
+        }
+        found.regions = Some(regions);
     }
     Ok(found)
+}
+
+/// The triangles of fits that are in each other and cross nothing, such as the floor of a pocket whose walls press, too: face to face, each
+/// behind the other, by the depth of the fit at most. Pairs of surfaces that are known are left out.
+fn pressed_inside(
+    (scene, known): (&Scene, &Regions),
+    tool: &Tool,
+    start: &Pose,
+    seats: &[Seat],
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<[u32; 2]>> {
+    let fits: BTreeMap<[u32; 2], f64> = seats
+        .iter()
+        .filter(|seat| seat.kind == SeatKind::Fit)
+        .map(|seat| ([seat.tool_part, seat.part], seat.depth))
+        .collect();
+    let within = fits.values().copied().fold(0.0, f64::max);
+    if within == 0.0 {
+        return Ok(Vec::new());
+    }
+    let mut parts: Vec<u32> = fits.keys().map(|[_, part]| *part).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    let pairs: Vec<[u32; 2]> = fits.keys().copied().collect();
+    let ignored = IgnoredPairs::new(tool.parts(), scene.mockup().part_bounds().len(), std::iter::empty())
+        .with_surfaces(known.numbers(), known.pairs(&pairs));
+    let asked = scene.only(&parts)?.ignoring(Arc::new(ignored));
+    let near = asked.stoppable(GoOn::new(goes_on)).near_pairs(tool, start, within)?;
+    let outward = |[a, b, c]: [Point; 3], side: i8| scaled(&cross(&sub(&b, &a), &sub(&c, &a)), f64::from(side));
+    let is_inside = |gap: &Gap| {
+        let [t, m] = [gap.tool_triangle, gap.mockup_triangle];
+        let own = outward(start.apply_triangle(&tool.mesh().triangle(t)), tool.adjacency().outward[t as usize]);
+        let mockup = scene.mockup();
+        let other = outward(mockup.mesh().triangle(m), mockup.adjacency().outward[m as usize]);
+        let way = sub(&gap.on_mockup, &gap.on_tool);
+        let is_of_fit = fits.get(&[gap.tool_part, gap.part]).is_some_and(|depth| gap.distance <= *depth);
+        is_of_fit && dot(&own, &other) < 0.0 && dot(&own, &way) < 0.0 && dot(&other, &way) > 0.0
+    };
+    Ok(near.iter().filter(|gap| is_inside(gap)).map(|gap| [gap.tool_triangle, gap.mockup_triangle]).collect())
 }
 
 /// How deep a part of the tool is in the one that a solver asks of, metres: the deepest contact plane.
