@@ -34,7 +34,7 @@ pub struct StepAnswer {
     world_from_proxy: Py<PyArray2<f64>>,
     /// `(3,)`: on the hand, newtons, world axes.
     force: Py<PyArray1<f64>>,
-    /// `(3,)`: on the hand, newton metres, world axes, about the tool's centre of area.
+    /// `(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame.
     torque: Py<PyArray1<f64>>,
     /// Age of the contact planes, seconds.
     age: f64,
@@ -100,7 +100,7 @@ pub struct TickAnswer {
     world_from_device: Py<PyArray2<f64>>,
     /// `(3,)`: on the hand, newtons, world axes.
     force: Py<PyArray1<f64>>,
-    /// `(3,)`: on the hand, newton metres, world axes, about the tool's centre of area.
+    /// `(3,)`: on the hand, newton metres, world axes, at the origin of the tool's frame.
     torque: Py<PyArray1<f64>>,
     /// Age of the contact planes, seconds.
     age: f64,
