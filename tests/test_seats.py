@@ -140,7 +140,7 @@ def test_ways_out_of_other_samples_are_gone_too(name: str, parts: tuple[int, ...
     scene = feeler.Scene(feeler.sample(name, triangles=20_000))
     for part in parts:
         found = feeler.removal(scene, part)
-        assert found.is_found and len(found.poses) <= 3
+        assert found.is_found and len(found.poses) <= 5
         way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
         # The part is the tool, in its own place: nothing that holds it is in its way.
         vertices, own_faces = _mesh(scene, part)
