@@ -397,6 +397,9 @@ def test_gltf_notes_what_is_not_in_the_scene(tmp_path):
     mockup = load_mockup(save(tmp_path, "m.glb", g.glb()))
     assert names(mockup) == ["in"]
     assert any("1 node with a mesh is not in the scene" in note for note in mockup.report.source.notes)
+    g.root["meshes"].append({**g.root["meshes"][0], "name": "spare"})
+    notes = load_mockup(save(tmp_path, "b.glb", g.glb())).report.source.notes
+    assert "1 mesh is in no node and was left out ('spare')" in notes
 
 
 # --- 3MF ---------------------------------------------------------------------------------------------------------

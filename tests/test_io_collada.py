@@ -187,6 +187,16 @@ def test_uses_of_what_is_missing_are_named(tmp_path):
     assert "1 use of controllers that is not in the file was left out ('#lost')" in said
 
 
+def test_geometries_that_nothing_in_the_scene_uses_are_named(tmp_path):
+    unused = "<library_nodes><node id='spare'><instance_geometry url='#g'/></node></library_nodes>"
+    text = dae(unused + scene(node('<instance_node url="#spare"/>')))
+    assert "not in the scene" not in notes(load(tmp_path, text))
+    lone = text.replace(
+        "<library_geometries>", "<library_geometries><geometry id='lone' name='lone'><mesh/></geometry>", 1
+    )
+    assert "1 geometry is not in the scene and was left out ('lone')" in notes(load(tmp_path, lone))
+
+
 # --- units and axes ------------------------------------------------------------------------------------------------
 
 

@@ -83,8 +83,8 @@ Touching = Annotated[
 PoseFile = Annotated[
     Path | None,
     typer.Option(
-        help="world_from_tool, metres: a 4 by 4 matrix row by row as JSON, text or .npy. Several, (n, 4, 4), "
-        "are checked one by one.",
+        help="world_from_tool, metres: a 4 by 4 matrix row by row as JSON, text or .npy. Checks of collision and "
+        "clearance also take several, (n, 4, 4), one by one.",
     ),
 ]
 At = Annotated[

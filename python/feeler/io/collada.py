@@ -89,6 +89,10 @@ class _Reader:
                 self._place(mesh, use._replace(world=world))
             if progress and not number % 256:
                 progress(0.4 + 0.6 * number / len(self.uses), f"reading {self.document.path.name}")
+        for library in self.document.root.all("library_geometries"):
+            for geometry in library.all("geometry"):
+                if not self.meshes.is_read(geometry):
+                    self.tally.add("geometries are not in the scene and were left out", name_of(geometry, "geometry"))
         self._check_looks()
         own, errors = of_numbers(self.meshes.vertices()), self.errors.bounds()
         place = [errors[row] if row >= 0 else (0.0, 0.0) for _, _, row in self.placed]

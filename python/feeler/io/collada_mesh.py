@@ -45,6 +45,10 @@ class MeshReader:
             self._meshes[key] = self._read(geometry)
         return self._meshes[key]
 
+    def is_read(self, geometry: Element) -> bool:
+        """Whether anything in the scene uses a <geometry>."""
+        return id(geometry) in self._meshes
+
     def vertices(self) -> NDArray[np.float64]:
         """Those of all geometries that were read, `(n, 3)`."""
         return np.concatenate([np.empty((0, 3)), *(mesh.vertices for mesh in self._meshes.values())])

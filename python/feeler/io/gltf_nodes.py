@@ -16,6 +16,7 @@ from feeler.io.rounding import PlacementErrors
 from feeler.io.tally import Tally
 
 _OUTSIDE = "nodes with a mesh are not in the scene and were left out"
+_UNUSED = "meshes are in no node and were left out"
 _HIDDEN = "hidden parts (KHR_node_visibility) were left out"
 _TWICE = "nodes are placed twice, by a matrix and by other numbers that differ: the matrix was used"
 _SAME = 1e-5
@@ -117,6 +118,10 @@ class SceneGraph:
         for index, node in enumerate(nodes):
             if not seen[index] and isinstance(node, dict) and "mesh" in node:
                 self.tally.add(_OUTSIDE, self._name(node, node["mesh"], f"node {index}"))
+        used = {node.get("mesh") for node in nodes if isinstance(node, dict) and isinstance(node.get("mesh"), int)}
+        for index, mesh in enumerate(_list(document.root.get("meshes"))):
+            if index not in used and isinstance(mesh, dict):
+                self.tally.add(_UNUSED, clean_name(mesh.get("name"), f"mesh {index}"))
 
     def _roots(self, nodes: list[Any]) -> list[int]:
         document = self.document
