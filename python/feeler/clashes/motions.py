@@ -25,7 +25,7 @@ _BY_PATH_SHARE = 0.75
 move up do not reach it, since the part that they are fastened to does not move with them."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """Parts that match under one motion of the whole.
 

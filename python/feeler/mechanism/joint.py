@@ -132,9 +132,9 @@ class Joint:
             check_number(f"joint {self.name!r}", value, "radians" if is_angle else "metres")
             for value, is_angle in zip(values, self.turns, strict=True)
         )
-        return self.moved_by(*given)
+        return self._moved_by(*given)
 
-    def moved_by(self, *values: float) -> npt.NDArray[np.float64]:
+    def _moved_by(self, *values: float) -> npt.NDArray[np.float64]:
         """The same of numbers that were checked: as many finite ones as it has names."""
         angle = slide = 0.0
         if self.kind is JointKind.CYLINDRICAL:

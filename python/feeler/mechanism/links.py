@@ -95,7 +95,7 @@ class Links:
         """The pose of each link in the world, (4, 4); the last one, at -1, is the frame."""
         found: list[Floats] = [np.eye(4)] * (len(self.links) + 1)
         for link, names in zip(self.links, self._names, strict=True):
-            moved = link.joint.moved_by(*(values[name] for name in names))
+            moved = link.joint._moved_by(*(values[name] for name in names))
             found[link.number] = moved if link.above < 0 else found[link.above] @ moved
         return found
 

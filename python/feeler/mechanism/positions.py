@@ -64,14 +64,14 @@ class Positions:
         self._ends = [self._ends_of(loop) for loop in self.loops]
         taken = [joint.name for joint in (*self.joints, *self.loops)]
         for loop in self.loops:
+            if taken.count(loop.name) > 1:
+                raise OptionError(
+                    f"two joints are called {loop.name!r}, a loop and another: give each a name of its own"
+                )
             if loop.limits is not None or loop.slide_limits is not None:
                 raise OptionError(
                     f"joint {loop.name!r} closes a loop and has limits, which nothing follows: leave them out, and "
                     "limit joints of the tree"
-                )
-            if taken.count(loop.name) > 1:
-                raise OptionError(
-                    f"two joints are called {loop.name!r}, a loop and another: give each a name of its own"
                 )
         closed = list(zip(self.loops, self._ends, strict=True))
         self.ignore = pairs_of_parts(mockup, mockup, ignore, "ignore", ("mock-up", "mock-up"))
