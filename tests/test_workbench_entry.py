@@ -74,9 +74,10 @@ def test_a_length_that_cannot_be_is_told_at_its_field(context: Any, stand: Path)
         assert kept["requirements"][0]["gap"] == kept["clash"]["clearance"] == kept["clash"]["contact"] == 0.003175
         # Arrow keys stop at the least length; Escape restores the last valid one.
         field = figure(page, "Clearance")
-        for _ in range(5):
+        for least in (0.002175, 0.001175, 0.000175, 0.0, 0.0):
             field.press("ArrowDown")
-        wait(page, "() => window.feeler.document.clash.clearance === 0")
+            wait(page, "least => Math.abs(window.feeler.document.clash.clearance - least) < 1e-9", least)
+            wait(page, "([field, mm]) => Number(field.value) === mm", [field.element_handle(), round(1e3 * least, 6)])
         typed(field, "abc")
         field.press("Escape")
         told.wait_for(state="detached")
