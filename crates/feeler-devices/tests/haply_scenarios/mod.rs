@@ -143,7 +143,8 @@ fn no_force_is_sent_ahead_of_a_slow_services_answers() {
         device.write(&force(1.0, 0.0, 0.0), 0.0).unwrap();
         (service.shared().slow >= 40).then_some(())
     });
-    assert!(service.shared().early < 10, "{} forces waited", service.shared().early);
+    // On a busy machine a thread may be late; one that sends ahead has dozens for each answer.
+    assert!(service.shared().early < 20, "{} forces waited", service.shared().early);
     assert_eq!(service.last_force(), Some([1.0, 0.0, 0.0]));
     service.check();
 }
