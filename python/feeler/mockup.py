@@ -642,7 +642,7 @@ def _defects(found: Mapping[DefectKind, tuple[int, Sequence[int]]]) -> dict[Defe
 
 
 def lost_note(mesh: Mockup | Tool) -> str | None:
-    """What is said of triangles that are missing in all queries, and leave a hole in their part; None if none is."""
+    """A sentence on triangles that no query can use, and which leave a hole in their part; None if there are none."""
     lost = sum(mesh.defects[kind].count for kind in _LOST)
     return counted(lost, f"triangles have {_LOST_FOR}, and take part in no query") if lost else None
 

@@ -80,7 +80,7 @@ impl ShadingBudget {
         self.beside = within(beside, SHADING_CREDIT, SHADING_CREDIT);
         self.paid = within(self.paid + sent_j + rest_j, SHADING_LOAN, 1.0);
         if is_free {
-            // What the hand gave beyond what it got is lost, as in a damper.
+            // A credit of the hand is not carried over to the next contact: a damper gives nothing back either.
             self.debt = self.paid.min(0.0);
             (self.paid, self.beside) = (self.debt, self.debt);
             if self.debt == 0.0 {

@@ -90,7 +90,7 @@ fn turns_about_where_the_hand_holds_make_no_force() {
     }
 }
 
-/// A handle that goes where it is told, and keeps what it is given.
+/// A handle whose pose the test sets, and which keeps the wrenches that it is sent.
 struct Told {
     info: DeviceInfo,
     turn: f64,
@@ -165,7 +165,7 @@ fn a_handle_turns_the_tool_about_its_centre() {
     }
 }
 
-/// It has no force, and is told where the tool's frame is to be.
+/// A mouse renders no force: its poses are those of the tool's frame, not of the tool's centre.
 #[test]
 fn a_mouse_has_the_tool_at_its_pose() {
     let wanted = at([0.0, 0.0, 0.5], [0.3, 0.0, 0.2]);

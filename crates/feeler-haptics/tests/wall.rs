@@ -1,6 +1,6 @@
 //! A wall, a simulated device and a hand: the guarantees of the force loop, in simulated time.
 //!
-//! The wall is the plane z = 0, and what it stops is the hand itself, the proxy straight out of it; or a tip beside the hand.
+//! The wall is the plane z = 0. It stops either the hand itself, with the proxy straight above it, or a tip beside the hand.
 
 use feeler_core::geometry::twist::{displaced, displacement, pose_of, rotation_of};
 use feeler_core::geometry::vectors::{cross, dot, length, sub};
@@ -30,8 +30,8 @@ fn proxy_of(device: &Pose, twist: &Twist) -> (Pose, Twist) {
     (device.translated(&[0.0, 0.0, depth]).unwrap(), Twist { linear: [x, y, 0.0], ..*twist })
 }
 
-/// The pose nearest to the device's with a tip (hand's frame) out of the wall; a turn is as long as its angle times `lever`, and
-/// where that is not a number, only a way leads out.
+/// The pose nearest to the device's that has a tip (hand's frame) outside of the wall. A turn counts as its angle times `lever`; if
+/// `lever` is not a number, the pose may only be translated.
 fn proxy_with_tip(device: &Pose, tip: &Point, lever: f64) -> Pose {
     if device.apply(tip)[2] >= 0.0 {
         return *device;

@@ -95,7 +95,7 @@ impl Surroundings {
             all.push(of_body);
         }
         self.makings.iter_mut().zip(all).for_each(|(makings, beyond)| makings.beyond = beyond);
-        // What was known is without it.
+        // Answers that are remembered do not know these surfaces yet.
         self.known = Mutex::default();
         Ok(())
     }

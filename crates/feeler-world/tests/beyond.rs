@@ -15,7 +15,7 @@ fn placed(frame: &Pose, (vertices, faces): Arrays) -> Arrays {
     (vertices.iter().map(|p| frame.apply(p)).collect(), faces)
 }
 
-/// A part of a mock-up, and what is in it.
+/// The surroundings of a tool that is sunk in a mock-up of one part.
 fn around(part: Arrays, tool: Arrays, frame: &Pose) -> Surroundings {
     let (vertices, faces) = placed(frame, part);
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();

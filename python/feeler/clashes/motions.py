@@ -80,8 +80,8 @@ class Evidence:
         return np.where(is_doubtful, -1, best.new_of_old), is_doubtful
 
     def _rivals(self, one: Motion, other: Motion) -> Mask:
-        """The parts of which there are two now, one under each motion. Patterns that moved by their pitch have none:
-        there, what is in the place of a part before was another part of the pattern."""
+        """The parts that match two parts of the new mock-up, one under each motion. A pattern that moved by its pitch
+        has none: the place of each part had another part of the pattern before."""
         a, b = one.new_of_old, other.new_of_old
         is_image = [self._images(each) for each in (one, other)]
         found: Mask = (a >= 0) & (b >= 0) & (a != b) & ~is_image[1][a] & ~is_image[0][b]

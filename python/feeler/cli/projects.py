@@ -95,7 +95,7 @@ def open_named(path: Path, read_only: bool = False, *, can_read_only: bool = Tru
 
 
 def open_for_writing(context: typer.Context, path: Path, given: Work) -> tuple[Book, Work]:
-    """The project, which is closed at the end of the command, and what is `completed` from it.
+    """The project, which is closed at the end of the command, and the work that it completes (`completed`).
 
     Raises the errors of `open_named` and `completed`.
     """
@@ -105,7 +105,7 @@ def open_for_writing(context: typer.Context, path: Path, given: Work) -> tuple[B
 
 
 def completed(project: Book, given: Work, *, has_tool: bool = False) -> Work:
-    """What is given, and all else as the project was opened with it last: the mock-up if no file is given, the options.
+    """The work of this command: files and options that are not given are those that the project was opened with last.
 
     has_tool: the tool, too; beside files that are given it may be gone.
     Raises `OptionError` if there is no mock-up, `MissingFileError` if that of the project is gone, and `LoadError`.

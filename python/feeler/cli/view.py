@@ -313,7 +313,7 @@ class _Opening:
         self.opened: Opened | None = None
         """Set when the mock-up is read and indexed."""
         self.project: Book | None = None
-        """It keeps what was opened, and how, unless it is only read."""
+        """The project that keeps the names of the opened files and their options, unless it is read-only."""
         self.mechanism: tuple[str, str] | None = None
         """The name and the text of a mechanism of the first mock-up."""
         self.catalogue: tuple[str, str] | None = None

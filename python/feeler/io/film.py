@@ -86,7 +86,7 @@ def motions_of(legs: Sequence[Leg], mockup: Mockup, place: Mapping[int, int]) ->
 
 
 def motion_of(part: int, times: FloatArray, poses: FloatArray) -> Motion:
-    """The motion of a part of a film. Times that are equal in float32, as which films keep them, are told apart."""
+    """The motion of a part of a film. Films keep times as float32: times that would be equal then are moved apart."""
     kept = times.astype(np.float32)
     for place in np.flatnonzero(np.diff(kept) <= 0.0).tolist():
         # Each may push the next one on.

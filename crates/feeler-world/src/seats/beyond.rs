@@ -1,8 +1,8 @@
 //! What of a neighbour's surface lies beyond the place of a sunk part: the part may not meet it there, and is cast against it.
 //!
-//! A sunk part crosses its neighbour's surface only within its place, the volume that it filled, or so near. Looks along a motion would miss a
-//! thin fin of the part that goes through a thin sheet of the neighbour between two of them. So the surface is cut into pieces: what is near the
-//! place is looked at, and all else is cast exactly.
+//! A sunk part may cross its neighbour's surface only within its place (the volume that it filled) and close to it. Samples of a motion would
+//! miss a thin fin of the part that passes a thin sheet of the neighbour between two samples. So the surface is cut into pieces: those near
+//! the place are sampled, and the part is cast exactly against all others.
 
 use std::sync::Arc;
 
