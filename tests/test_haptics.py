@@ -122,6 +122,44 @@ def test_the_same_steps_give_the_same_bits(scene: feeler.Scene, tool: feeler.Too
         haptics.replay(tmp_path / "none.npz")
 
 
+@pytest.mark.parametrize("rate", [None, 300.0])
+def test_a_record_of_a_session_that_is_started_waits_for_a_start(
+    scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path, rate: float | None
+) -> None:
+    session, path = haptics.Session(scene, tool, collision_hz=rate), tmp_path / "felt.npz"
+    session.start(at(z=0.002))
+    pressed(session, 0.003)
+    with session.record(path):
+        for refused in (lambda: session.step(at(z=0.03)), lambda: session.grip("block"), session.release):
+            with pytest.raises(feeler.SessionError, match=r"begins with a start: call start\(\)"):
+                refused()
+        session.start(at(z=0.03))
+        for k in range(200):
+            session.step(at(0.0002 * k, 0.0, 0.03 - 0.0001 * k))
+    same = haptics.replay(path)
+    assert same and same.steps == 200
+
+
+def test_one_record_at_a_time_of_parts_in_their_places(scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path) -> None:
+    session = haptics.Session(scene, tool)
+    with session.record(tmp_path / "one.npz"):
+        with pytest.raises(feeler.SessionError, match=r"a record into 'one\.npz' is open"):
+            session.record(tmp_path / "two.npz")
+        session.start(at(0.1, 0.0, 0.045))
+        session.grip("block")
+    session.release()
+    for held in (False, True):
+        if held:
+            session.grip("block")
+        with pytest.raises(feeler.SessionError, match="'block' left its place before the record: put it back"):
+            session.record(tmp_path / "late.npz")
+    session.release(put_back=True)
+    with session.record(tmp_path / "late.npz"):
+        session.start(at(0.1, 0.0, 0.045))
+        session.step(at(0.1, 0.0, 0.044))
+    assert haptics.replay(tmp_path / "late.npz").steps == 1
+
+
 def test_a_replay_puts_a_part_back_where_it_was(scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path) -> None:
     session, path = haptics.Session(scene, tool), tmp_path / "felt.npz"
     with session.record(path):

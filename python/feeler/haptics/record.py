@@ -50,6 +50,11 @@ class Recorder:
         self._inputs: list[Floats] = []
         self._outputs: list[Floats] = []
 
+    @property
+    def is_begun(self) -> bool:
+        """Whether it has a start, without which nothing can be replayed."""
+        return bool(self._events)
+
     def start(self, pose: Floats) -> None:
         """A start with the device at a pose."""
         self._add(START, 0, pose, 0.0)

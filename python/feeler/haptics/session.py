@@ -152,6 +152,7 @@ class Session(Runs):
     _options: dict[str, Any]
     _lying: dict[int, Scene]
     _recorder: Recorder | None
+    _displaced: set[int]
 
     @keywords({"margin": "within"})
     def __new__(
@@ -191,6 +192,7 @@ class Session(Runs):
         self = super().__new__(cls, scene, tool, coupling.as_numbers(), within, skin, shading, rate, lying)
         self.scene, self.tool, self.coupling = scene, tool, coupling
         self._options, self._lying, self._recorder = options, dict(lying), None
+        self._displaced = set()
         return self
 
     @keywords({"pose": "world_from_tool"})
@@ -212,8 +214,10 @@ class Session(Runs):
 
         `world_from_tool`: where the device wants the tool, `(4, 4)`; the proxy is where contacts let it be. A pose that
         is not finite or not rigid, as a device may report, gives no force and mode `doubt`. Raises
-        `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
+        `PoseError` for the wrong shape, `SessionError` before the start, also that of a record, `OptionError` for a
+        `dt` out of range.
         """
+        self._check_begun()
         pose = one_pose(world_from_tool)
         dt = check_real("dt", dt, "seconds, above 0, at most 1")
         made = super()._advance(pose, dt)
@@ -228,8 +232,9 @@ class Session(Runs):
 
         Each is an index, path or pattern that names one part. Parts that were put down elsewhere can be taken again.
         Contacts of the tool and its parts at this moment are seats, as at the start. Raises `OptionError` for parts
-        that do not exist, none, or one twice, `SessionError` if a part is already held.
+        that do not exist, none, or one twice, `SessionError` if a part is already held, or before a record's start.
         """
+        self._check_begun()
         each = [parts] if isinstance(parts, int | str) or not isinstance(parts, Sequence) else parts
         chosen = [one_part(self.scene, part, "grip") for part in each]
         if not chosen or len(set(chosen)) < len(chosen):
@@ -239,6 +244,7 @@ class Session(Runs):
         else:
             self._run.grip(chosen)
             self._held = tuple(chosen)
+        self._displaced.update(chosen)
         if self._recorder:
             self._recorder.grip(chosen)
 
@@ -246,15 +252,18 @@ class Session(Runs):
         """Releases the held parts: they stay where they are, as parts of the scene.
 
         `put_back`: they return to their place in the mock-up instead. Raises `SessionError` if nothing is held, or the
-        tool occupies a part's place.
+        tool occupies a part's place, or before the start of a record.
         """
         put_back = check_flag("put_back", put_back)
-        run = self._run
+        self._check_begun()
+        run, held = self._run, self.gripped
         if run is None:
             super()._release(put_back)
         else:
             run.release(put_back)
         self._held = ()
+        if put_back:
+            self._displaced.difference_update(held)
         if self._recorder:
             self._recorder.release(put_back)
 
@@ -276,14 +285,24 @@ class Session(Runs):
             raise SessionError("a record is of one scene: close it first")
         started = super()._swap(scene) if self._run is None else self._run.set_scene(scene)
         self.scene, self._held = scene, ()
+        self._displaced.clear()
         return _start_of(started)
 
     def record(self, path: str | Path) -> Recorder:
         """Records into a file, from the next start on, for `replay`; `.close()` or `with` ends it.
 
-        The name ends in .npz. Raises `WriteError`."""
+        A session that is started already waits for that start: until then it takes no step. The name ends in .npz.
+        Raises `WriteError`, and `SessionError` while another record is open, or a part is held or lies where this
+        session put it, since a record begins with the scene as the session got it.
+        """
+        target = check_target(path, ".npz")
+        if self._recorder:
+            raise SessionError(f"a record into {shown(self._recorder.path.name)} is open: close it first")
+        if self._displaced:
+            names = ", ".join(shown(self.scene.mockup.parts[part].path) for part in sorted(self._displaced)[:3])
+            raise SessionError(f"{names} left its place before the record: put it back, or make a new session")
         self._recorder = Recorder(
-            check_target(path, ".npz"),
+            target,
             self.scene,
             self.tool,
             self.coupling,
@@ -292,6 +311,10 @@ class Session(Runs):
             self._end_of_record,
         )
         return self._recorder
+
+    def _check_begun(self) -> None:
+        if self._recorder and not self._recorder.is_begun:
+            raise SessionError("the record begins with a start: call start() first")
 
     def _end_of_record(self) -> None:
         self._recorder = None
