@@ -109,6 +109,9 @@ print(step.force @ step.force)
 try:
     view: feeler.View = feeler.view(scene)
     view.screenshot("engine.png")
+    view.measure_add("edge", points=mockup.vertices[:2])
+    view.measure_add("point", points=[(0, 0, 0), np.zeros(3)])
+    view.measure_add("angle", triangles=scene.collide(tool, pose).mockup_triangles[:2])
 except (feeler.WorkbenchError, feeler.WriteError, feeler.RemovalInterrupted) as error:
     print(error)
 
