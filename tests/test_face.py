@@ -118,7 +118,7 @@ def test_a_view_takes_points_and_indices_as_arrays() -> None:
         number = view.measure_add("angle", triangles=np.array([0, 0], dtype=np.uint32))["id"]
         view.measure_edit(number, "angle", triangles=list(np.array([0, 0])))
         view.section_add(rows[1], 0.0)
-        assert [each.value for each in view.session.document.measures] == [5.0] * 5 + [0.0]
+        assert [each["value"] for each in view.session.document()["measures"]] == [5.0] * 5 + [0.0]
         for wrong in (corners[0], corners[:1], 3):
             with pytest.raises(feeler.WorkbenchError, match="points"):
                 view.measure_add("point", points=wrong)  # type: ignore[arg-type]
