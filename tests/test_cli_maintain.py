@@ -54,7 +54,7 @@ def test_what_is_wrong_is_said(engine: Path, tmp_path: Path) -> None:
     assert "give one of them" in error_of(*one, "--parts", tmp_path / "lru.csv")
     assert "do you mean slower" in error_of(*one, "--fail-on", "slow")
     assert "leave out --tool" in error_of(*one, "--tools", "built-in", "--tool", "sample:wrench")
-    assert "--grip is of tools" in error_of(*one, "--grip", "z")
+    assert "--grip is for --tool" in error_of(*one, "--grip", "z")
     assert "first run" in error_of(*one, "--previous", tmp_path / "none.json")
     assert "must end in .json" in error_of(*one, "--save", tmp_path / "last.txt")
     assert "parts[0]" in error_of(*asked, "--part", "s9/*")

@@ -198,11 +198,11 @@ def test_joints_that_are_not_found_are_told_with_what_is_free(tmp_path: Path) ->
     ("words", "says"),
     [
         ([], "nothing says what moves"),
-        (["--mechanism", "cowl.toml", "--write-mechanism", "x.toml"], "both say what moves"),
+        (["--mechanism", "cowl.toml", "--write-mechanism", "x.toml"], "ends: leave out --mechanism"),
         (["--mechanism", "cowl.toml", "--animation", "0"], "both say what moves"),
-        (["--mechanism", "cowl.toml", "--child", "*"], "--child and --parent are of --write-mechanism"),
+        (["--mechanism", "cowl.toml", "--child", "*"], "--child is for --write-mechanism"),
         (["--mechanism", "cowl.toml", "--geometry", "visual"], "are of a robot"),
-        (["--mechanism", "cowl.toml", "--film", "f.glb"], "give --joint too"),
+        (["--mechanism", "cowl.toml", "--film", "f.glb"], "--film is for --joint: give it, too"),
         (["--mechanism", "cowl.toml", "--joint", "lid=0:1"], "joints: hinge"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:1:2"], "NAME=FROM:TO, or NAME=VALUE"),
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:3mm"], "angle"),
@@ -212,7 +212,7 @@ def test_joints_that_are_not_found_are_told_with_what_is_free(tmp_path: Path) ->
         (["--mechanism", "cowl.toml", "--joint", "hinge=0:9", "--glb", "x.glb", "--film", "./x.glb"], "both write"),
         (["--mechanism", "none.toml"], "does not exist"),
         (["--animation", "0", "--joint", "hinge=0:1"], "leave them out"),
-        (["--write-mechanism", "x.toml", "--parent", "*"], "--parent is of a --child"),
+        (["--write-mechanism", "x.toml", "--parent", "*"], "--parent is for --child"),
         (["--write-mechanism", "x.json"], "must end in .toml"),
     ],
 )

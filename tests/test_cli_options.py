@@ -289,3 +289,93 @@ def test_a_file_to_edit_is_started_once(
 def test_sample_tools_of_examples_exist(name: str) -> None:
     shown = run(*name.split(), "--help").stdout
     assert set(re.findall(r"--(?:tool|hand) sample:(\w+)", shown)) <= set(SAMPLE_TOOL_NAMES)
+
+
+TEXT_OF = {"--picture-size": "8x8", "--eyes": "5", "--hashing": "0.5", "--error": "1mm", "--pictures": "3"}
+"""A text of options that take no name of a file."""
+
+
+def given_text(option: Option) -> list[str]:
+    """An option on the command line, with a text that it reads."""
+    if option.value is None:
+        return ["--no-browser" if option.name == "--browser" else option.name]
+    for text in (TEXT_OF.get(option.name), "1", "x.toml", "x.csv", "x.glb", "0,0,1", "mm", "host:1", "large_6dof"):
+        try:
+            option.value.read(text or "")
+        except ValueError:
+            continue
+        return [option.name, text or ""]
+    raise AssertionError(option.name)
+
+
+NEEDING = [(name, each) for name in commands() for each in options_of(name).values() if each.needs]
+ENDING = [(name, each) for name in commands() for each in options_of(name).values() if each.ends_with is not None]
+
+
+def test_options_that_go_with_others_are_known() -> None:
+    """A help text that says "with another option" is a promise that the option is refused without it."""
+    known = {(name, option.name) for name, option in NEEDING}
+    assert len(NEEDING) > 30 and {option.name for _, option in ENDING} == {
+        *("--write-catalogue", "--write-limits", "--write-times", "--write-mechanism"),
+    }
+    for name in commands():
+        callback = inspect.unwrap(commands()[name].callback)  # type: ignore[arg-type]
+        every = options_of(name)
+        names = {each.name for each in every.values()}
+        for parameter, option in every.items():
+            texts = str(inspect.signature(callback, eval_str=True).parameters[parameter].annotation)
+            if re.search(r"help='(With --|In --|For --|Size of --)", texts):
+                assert (name, option.name) in known, (name, option.name)
+            needed = {word.partition(" ")[0] for word in (*option.needs, *(option.ends_with or ()))}
+            assert needed <= names - {option.name}, (name, option.name)
+
+
+def least_words(name: str) -> list[str]:
+    """Arguments of a command; nothing that its options need."""
+    return [*name.split(), *([] if name.split()[0] in NO_ARGUMENT else ["nothing.stl"])]
+
+
+@pytest.mark.parametrize(("name", "option"), NEEDING, ids=[f"{name} {option.name}" for name, option in NEEDING])
+def test_an_option_in_vain_is_refused(name: str, option: Option) -> None:
+    words = [*least_words(name), *NEEDED.get(name, []), *(["--device", "haply"] if name == "feel" else [])]
+    for needed in option.needs:
+        if needed in words:
+            del words[words.index(needed) : words.index(needed) + 2]
+    said = error_of(*words, *given_text(option))
+    too = "it" if len(option.needs) == 1 else "one of these"
+    assert said == f"feeler: {option.name} is for {' or '.join(option.needs)}: give {too}, too\n"
+
+
+@pytest.mark.parametrize(("name", "option"), ENDING, ids=[f"{name} {option.name}" for name, option in ENDING])
+def test_a_command_that_ends_with_a_file_takes_no_other_options(name: str, option: Option) -> None:
+    said = error_of(*least_words(name), option.name, "x.toml", "--threads", "1")
+    assert said == f"feeler: {option.name} writes a file and ends: leave out --threads\n"
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["collide", "sample:gearbox", "--unit", "mm", "--tool", "t.stl", "--at", "0,0,0"], "--unit is for files"),
+        (["collide", "m.glb", "--tool", "sample:wrench", "--tool-unit", "mm", "--at", "0,0,0"], "--tool-unit is for"),
+        (["index", "sample:gearbox", "--chord-tolerance", "1mm"], "--chord-tolerance is for STEP files"),
+        (["remove", "m.glb", "--part", "a", "--hand", "sample:hand", "--hand-unit", "mm"], "--hand-unit is for files"),
+        (["swept", "sample:wrench", "--poses", "p.txt", "--tool-unit", "mm"], "--tool-unit is for files"),
+        (["access", "m.glb", "--tool", "sample:wrench", "--tool-unit", "mm"], "--tool-unit is for files"),
+        (["sample", "wrench", "--triangles", "1000"], "--triangles and --seed are for mock-ups"),
+        (["sample", "wrench", "--seed", "0"], "--triangles and --seed are for mock-ups"),
+        (["sample", "engine", "--fine"], "--fine is for tools"),
+        (["sample", "--out", "x.glb"], "--out is of a sample: give its name"),
+    ],
+)
+def test_options_of_files_are_refused_for_samples(words: list[str], said: str) -> None:
+    assert f"feeler: {said}" in error_of(*words)
+
+
+@pytest.mark.usefixtures("files")
+def test_options_that_go_together_work() -> None:
+    found = run_json("collide", *MOVING, "--at", "0,0,0", "--pairs", "--storage", "Hashed", "--hashing", "0.5", code=1)
+    assert found["scene"]["storage"] == "hashed" and found["poses"][0]["pair_list"]
+    started = run_json("access", "--write-catalogue", "c.toml")
+    assert started == {"written": {"catalogue": "c.toml"}} and Path("c.toml").exists()
+    assert run_json("opening", "--write-limits", "l.toml") == {"written": {"limits": "l.toml"}}

@@ -109,6 +109,21 @@ def test_a_view_takes_findings_and_poses_and_ends() -> None:
         view.hide("plate")
 
 
+def test_a_view_takes_points_and_indices_as_arrays() -> None:
+    corners = np.array([[0, 0, 0], [3, 4, 0]])
+    rows = tuple(map(tuple, corners))  # of NumPy's integers
+    with feeler.view(SCENE, browser=False) as view:
+        for points in (corners, corners.astype(np.float32), list(corners), corners.tolist(), rows):
+            view.measure_add("point", points=points)
+        number = view.measure_add("angle", triangles=np.array([0, 0], dtype=np.uint32))["id"]
+        view.measure_edit(number, "angle", triangles=list(np.array([0, 0])))
+        view.section_add(rows[1], 0.0)
+        assert [each["value"] for each in view.session.document()["measures"]] == [5.0] * 5 + [0.0]
+        for wrong in (corners[0], corners[:1], 3):
+            with pytest.raises(feeler.WorkbenchError, match="points"):
+                view.measure_add("point", points=wrong)  # type: ignore[arg-type]
+
+
 def test_answers_that_are_sequences_iterate_index_and_slice() -> None:
     poses = [np.eye(4)] * 3
     chain = feeler.Chain([feeler.Slide((0, 0, 1)), feeler.Slide((0, 1, 0))])

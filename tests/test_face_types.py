@@ -201,6 +201,27 @@ def test_docstrings_of_the_core_are_those_of_its_stubs() -> None:
     assert other == {}
 
 
+def _annotations(member: object) -> dict[str, object]:
+    return getattr(getattr(member, "fget", member), "__annotations__", {})
+
+
+def test_columns_of_words_say_what_their_elements_are() -> None:
+    """NumPy's strings, which equal the members of an enumeration but have no `.code`."""
+    members = public_members()
+    stubs = [ast.parse(stub.read_text()) for stub in docstrings.STUBS]
+    words = {
+        f"feeler.{kind.name}.{each.name}"
+        for stub in stubs
+        for kind in ast.walk(stub)
+        if isinstance(kind, ast.ClassDef)
+        for each in kind.body
+        if isinstance(each, ast.FunctionDef) and each.returns and "np.str_" in ast.unparse(each.returns)
+    }
+    words |= {name for name, each in members.items() if "np.str_" in str(_annotations(each))}
+    told = {name: inspect.getdoc(members[name]) or "" for name in words}
+    assert len(words) > 6 and {name: doc for name, doc in told.items() if "`numpy.str_`" not in doc} == {}
+
+
 UNTYPED = {
     "feeler.View.findings_take.saved": "JSON",
     "feeler.clashes.report.return": "JSON",
@@ -214,8 +235,8 @@ def test_public_signatures_have_types() -> None:
     found = {
         f"{name}.{argument}"
         for name, member in public_members().items()
-        if callable(function := getattr(member, "fget", member)) and not isinstance(function, type)
-        for argument, kind in getattr(function, "__annotations__", {}).items()
+        if callable(getattr(member, "fget", member)) and not isinstance(member, type)
+        for argument, kind in _annotations(member).items()
         if re.search(r"\bAny\b", re.sub(r"NDArray\[Any\]", "", str(kind)))
     }
     found = {name for name in found if not re.search(r"\.to_dicts?\.return$", name)}

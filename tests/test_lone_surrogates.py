@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import run
+from commands import error_of, run
 from shapes import box, mockup_of
 
 import feeler
 from feeler import Joint, Mechanism
 from feeler.io import write_stl
+from feeler.words import printable
 
 NAME = os.fsdecode(b"Geh\xe4use")
 
@@ -36,6 +37,13 @@ def test_the_workbench_opens_a_file_and_parts_with_such_names(file: Path) -> Non
     for mockup in (feeler.load_mockup(file), named()):
         with feeler.view(mockup, browser=False) as view:
             assert view.url.startswith("http")
+
+
+def test_such_bytes_are_shown_as_bytes(file: Path) -> None:
+    assert printable(NAME) == "Geh\\xe4use"
+    assert printable("\udc80\udcff\ud800\udc00\udd00\x1b") == "\\x80\\xff\\ud800\\udc00\\udd00\\x1b"
+    assert "Geh\\xe4use.stl" in run("info", file).stdout
+    assert "Geh\\xe4use.obj" in error_of("info", file.with_suffix(".obj"))
 
 
 def test_a_project_of_such_a_file_is_reported(file: Path, tmp_path: Path) -> None:

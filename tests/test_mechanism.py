@@ -551,6 +551,15 @@ def test_a_mechanism_is_saved_and_loaded(tmp_path: Path) -> None:
         file.write_text((text.replace("axis = [0, 0, 1]\n", line + "\n") if "axis" in line else text + line) + "\n")
         with pytest.raises(LoadError, match=says):
             Mechanism.load(file, moved.mockup)
+    file.write_text("version = 1\n" + text)
+    assert Mechanism.load(file, moved.mockup).names == ("j",)
+    for version in ("2", '"1"', "true", "1.0"):
+        file.write_text(f"# of another feeler\nversion = {version}\n" + text)
+        with pytest.raises(LoadError, match=r"line 2 is of version .*, and this feeler reads 1"):
+            Mechanism.load(file, moved.mockup)
+    file.write_text(text + "version = 1\n")
+    with pytest.raises(LoadError, match="line 7: 'version' is unknown here: it stands before all tables"):
+        Mechanism.load(file, moved.mockup)
 
 
 def test_the_command_bounds_a_range_and_tells_where_it_does_not_hold(tmp_path: Path) -> None:

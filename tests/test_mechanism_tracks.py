@@ -251,6 +251,9 @@ def swing(tmp_path: Path) -> Tracks:
 def test_clashes_have_their_first_time(tmp_path: Path) -> None:
     tracks = swing(tmp_path)
     assert tracks.moving == ("swing/hub/bob",) and (tracks.start, tracks.end) == (0.0, 2.0)
+    (file,) = tracks.mockup.source.files
+    assert any("not played" in note for note in feeler.load_mockup(file).source.notes)
+    assert tracks.mockup.source.notes == (), "the animation is what is read"
     found = tracks.clash()
     assert [(each.path, each.other_path) for each in found.contacts] == [("swing/hub/bob", "swing/post")]
     time = found.contacts[0].value

@@ -344,7 +344,7 @@ def test_the_command(covered: feeler.Scene, tmp_path: Path) -> None:
     assert feeler.Times.load(tmp_path / "t.toml").elements == feeler.Times().elements
     assert len(run_json(*words, "--times", tmp_path / "t.toml")["examples"]) == 9
     assert "give --part" in error_of("task", tmp_path / "a.glb")
-    assert "--grip is of tools" in error_of("task", tmp_path / "a.glb", "--part", "cover", "--grip", "y")
+    assert "--grip is for --tool" in error_of("task", tmp_path / "a.glb", "--part", "cover", "--grip", "y")
     assert "times" in error_of(*words, "--times", tmp_path / "none.toml")
 
 

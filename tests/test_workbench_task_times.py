@@ -113,6 +113,9 @@ def test_whole_paths_match_nothing_else() -> None:
 def test_times_are_parsed_as_they_are_written() -> None:
     table = feeler.Times({"get": [2.0, 1.0]}, pitches_mm={"*x": 1.5}, typed={"y": 3.0})
     assert feeler.Times.parse(table.to_toml()).typed == table.typed
+    assert feeler.Times.parse("version = 1\n" + table.to_toml()).typed == table.typed
+    with pytest.raises(feeler.LoadError, match="times is of version 2, and this feeler reads 1"):
+        feeler.Times.parse("version = 2\n" + table.to_toml())
     with pytest.raises(feeler.LoadError, match=r"times: \[other\] is unknown"):
         feeler.Times.parse("[other]")
 

@@ -30,7 +30,14 @@ from typing import Any
 
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike
-from feeler.workbench.document.arguments import VectorLike, plain_parts, plain_pose
+from feeler.workbench.document.arguments import (
+    IndicesLike,
+    VectorLike,
+    VectorsLike,
+    plain_numbers,
+    plain_parts,
+    plain_pose,
+)
 from feeler.workbench.document.protocol import {names}
 from feeler.workbench.session.session import Session
 
@@ -54,6 +61,16 @@ class ViewCommands:
 '''
 WIDTH = 112  # of docstrings, without their indentation
 STEPS = {"undo": "Undoes the last command.", "redo": "Does again what was undone."}
+_TYPES = {
+    "Selection": "PartsLike",
+    "Vec3": "VectorLike",
+    "list[Vec3]": "VectorsLike",
+    "list[int]": "IndicesLike",
+    "Pose": "Pose | PoseLike",
+}
+_PLAIN = {"Selection": "plain_parts", "Pose": "plain_pose"} | dict.fromkeys(
+    ("Vec3", "list[Vec3]", "list[int]"), "plain_numbers"
+)
 BUILTIN = {"int", "float", "str", "bool", "None", "list", "tuple", "dict", "Any"}
 
 
@@ -87,11 +104,11 @@ def _method(name: str, arguments: list[tuple[str, ast.expr, bool]], text: str) -
 def _type(kind: ast.expr) -> str:
     """The type of an argument for a script, which may give parts and vectors as all of feeler takes them."""
     name = ast.unparse(kind)
-    return {"Selection": "PartsLike", "Vec3": "VectorLike", "Pose": "Pose | PoseLike"}.get(name, name)
+    return _TYPES.get(name, name)
 
 
 def _sent(name: str, kind: ast.expr) -> str:
-    plain = {"Selection": "plain_parts", "Pose": "plain_pose"}.get(ast.unparse(kind))
+    plain = _PLAIN.get(ast.unparse(kind))
     return name if plain is None else f"{plain}({name})"
 
 

@@ -37,13 +37,12 @@ from feeler.clashes.retried import ROUNDOFFS
 from feeler.clashes.rules import WordsLike
 from feeler.errors import LoadError, MeshError, OptionError
 from feeler.field_docs import documented
-from feeler.io.toml import toml_of
+from feeler.io.toml import check_version, toml_of
 from feeler.mockup import Mockup
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.words import plural
 
-VERSION = 1
 Words = tuple[str, ...]
 
 
@@ -260,8 +259,7 @@ def _requirements(given: RequirementsLike) -> tuple[Requirement, ...]:
 
 def _parsed(data: Mapping[str, object], where: str) -> tuple[Requirement, ...]:
     _check_keys(data, ("version", "requirement"), where)
-    if data.get("version", VERSION) != VERSION:
-        raise OptionError(f"{where} is of version {data['version']!r}, and this feeler reads {VERSION}")
+    check_version(data, where, OptionError)
     tables = data.get("requirement", [])
     if not isinstance(tables, list) or not all(isinstance(each, Mapping) for each in tables):
         raise OptionError(f"{where}: requirement is not a list of tables: write [[requirement]] above each")

@@ -81,7 +81,7 @@ from feeler.source import Source
 from feeler.tasks.listed import MaintainParts
 from feeler.tasks.reached import TaskTools
 from feeler.tasks.times import Element, TimesLike
-from feeler.workbench.document.arguments import VectorLike
+from feeler.workbench.document.arguments import IndicesLike, VectorLike, VectorsLike
 from feeler.workbench.document.protocol import Camera as ViewCamera
 from feeler.workbench.document.protocol import CardQuestion, CommandAnswer, GivenWay, Material, MeasureType
 from feeler.workbench.document.protocol_findings import FindingStatus, RequirementResult
@@ -129,6 +129,7 @@ __all__ = [
     "HasVertices",
     "Hits",
     "Ignore",
+    "IndicesLike",
     "JointKindName",
     "LoadReport",
     "MaintainFault",
@@ -178,6 +179,7 @@ __all__ = [
     "Values",
     "Vec3",
     "VectorLike",
+    "VectorsLike",
     "VerdictLike",
     "VerdictName",
     "ViewCamera",

@@ -56,7 +56,10 @@ def printable(text: str) -> str:
 
 
 def _code(letter: str) -> str:
-    """A character as Python writes it; other separators and joiners of words stay as they are."""
+    """A character as Python writes it, a byte of a name that is not UTF-8 as a byte; other separators and joiners of
+    words stay as they are."""
+    if "\udc80" <= letter <= "\udcff":
+        return f"\\x{ord(letter) - 0xDC00:02x}"
     is_control = unicodedata.category(letter) in ("Cc", "Cs") or letter in _BIDI or ord(letter) & 0xFFFE == 0xFFFE
     return letter.encode("unicode_escape").decode() if is_control else letter
 

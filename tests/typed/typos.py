@@ -3,6 +3,7 @@
 import numpy as np
 
 import feeler
+from feeler.compat.trimesh import CollisionManager
 
 scene = feeler.Scene(feeler.load_mockup("engine.step"))
 tool = feeler.load_tool("wrench.stl")
@@ -62,3 +63,14 @@ feeler.Mockup(np.eye(3), [[0, 1, 2]], unit="mm")  # wrong
 feeler.Tool("file.stl")  # wrong
 feeler.Tool(3)  # wrong
 feeler.from_trimesh("file.stl")  # wrong
+
+manager = CollisionManager()
+manager.in_collision_internal().count  # wrong
+hit, met = manager.in_collision_single(scene, return_names=True)
+met.first  # wrong
+contacts = manager.in_collision_internal(return_names=True, return_data=True)[2]
+contacts[0].deep  # wrong
+manager.min_distance_internal().upper()  # wrong
+nearest = manager.min_distance_other(manager, return_data=True)[1]
+nearest.distance  # wrong
+manager.min_distance_internal(return_name=True)  # wrong

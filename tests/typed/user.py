@@ -1,10 +1,13 @@
 """A user's script, as strict as type checkers are: nothing in it may be an error or of no known type."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 from typing_extensions import assert_type
 
 import feeler
+from feeler.compat.trimesh import CollisionManager, ContactData, DistanceData
 from feeler.types import (
     CardQuestion,
     CollisionStats,
@@ -106,6 +109,9 @@ print(step.force @ step.force)
 try:
     view: feeler.View = feeler.view(scene)
     view.screenshot("engine.png")
+    view.measure_add("edge", points=mockup.vertices[:2])
+    view.measure_add("point", points=[(0, 0, 0), np.zeros(3)])
+    view.measure_add("angle", triangles=scene.collide(tool, pose).mockup_triangles[:2])
 except (feeler.WorkbenchError, feeler.WriteError, feeler.RemovalInterrupted) as error:
     print(error)
 
@@ -149,3 +155,27 @@ assert_type([each.distance for each in scene.rays([[0, 0, 9]], [[0, 0, -1]]) if 
 
 with feeler.haptics.Session(scene, tool) as held:
     assert_type(held, feeler.haptics.Session)
+
+
+manager, others, box = CollisionManager(), CollisionManager(), (corners, corner)
+assert_type(manager.in_collision_internal(), bool)
+assert_type(manager.in_collision_internal(True), tuple[bool, set[tuple[Any, Any]]])
+assert_type(manager.in_collision_single(box, None, False, True), tuple[bool, list[ContactData]])
+assert_type(manager.in_collision_single(box, return_names=True), tuple[bool, set[Any]])
+assert_type(manager.in_collision_single(box, return_data=True), tuple[bool, list[ContactData]])
+assert_type(
+    manager.in_collision_other(others, return_names=True, return_data=True),
+    tuple[bool, set[tuple[Any, Any]], list[ContactData]],
+)
+assert_type(manager.min_distance_single(box), float)
+assert_type(manager.min_distance_single(box, return_data=True), tuple[float, DistanceData | None])
+assert_type(manager.min_distance_internal("a", True), tuple[float, tuple[Any, Any] | None])
+assert_type(manager.min_distance_other(others, True, True), tuple[float, tuple[Any, Any] | None, DistanceData | None])
+
+
+def apart(with_names: bool, with_data: bool) -> float:
+    answer = manager.min_distance_internal(return_names=with_names, return_data=with_data)
+    meeting = manager.in_collision_other(others, with_names, with_data)
+    if isinstance(meeting, tuple) and meeting[0]:
+        return 0.0
+    return answer[0] if isinstance(answer, tuple) else answer

@@ -48,9 +48,7 @@ from feeler.choices import Chord, Severity
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
 from feeler.errors import LoadError, OptionError
 from feeler.field_docs import documented
-from feeler.io.toml import parsed_toml, toml_of
-
-VERSION = 1
+from feeler.io.toml import check_version, parsed_toml, toml_of
 
 Words = tuple[str, ...]
 WordsLike: TypeAlias = str | Sequence[str]
@@ -240,8 +238,7 @@ def is_chord(contact: object) -> bool:
 def _parsed(data: Mapping[str, Any], where: str = "rules") -> dict[str, Any]:
     """The arguments of the `Rules` of a TOML document as a dict. Raises `OptionError` for mistakes in it."""
     _check_keys(data, ["version", "others", *_TABLES], where)
-    if data.get("version", VERSION) != VERSION:
-        raise OptionError(f"{where} is of version {data['version']!r}, and this feeler reads {VERSION}")
+    check_version(data, where, OptionError)
     others = data.get("others", True)
     if not isinstance(others, bool):
         raise OptionError(f"{where}: others is {others!r}: give true or false")

@@ -11,8 +11,7 @@ from feeler.arguments import check_kind
 from feeler.atomic import atomic_file
 from feeler.clashes.fastener_rule import is_fastener
 from feeler.clashes.result import Clashes
-from feeler.clashes.rules import VERSION
-from feeler.io.toml import LONE, quoted
+from feeler.io.toml import LONE, VERSION, quoted
 
 _WRITTEN = 30
 """Most rules, and most pairs in contact, that `write_rules` lists. Nobody reads more."""

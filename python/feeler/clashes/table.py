@@ -332,7 +332,7 @@ class Table(OldAttributes, Sequence[Clash]):
 
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: a `feeler.Verdict` each, as words."""
+        """`(n,)`: the word of a `feeler.Verdict` for each finding, `numpy.str_`."""
         return self._once("verdicts", lambda: Verdict.words(self.columns.verdict))
 
     @property
@@ -347,7 +347,7 @@ class Table(OldAttributes, Sequence[Clash]):
 
     @property
     def depth_kinds(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
+        """`(n,)`: `"measured"`, or `"estimate"` if a part is open, `numpy.str_`."""
         return self._once("depth_kinds", lambda: np.array(DEPTH_KINDS)[self.columns.depth_kind])
 
     @property
@@ -409,12 +409,12 @@ class Table(OldAttributes, Sequence[Clash]):
 
     @property
     def rules(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: the name of the rule."""
+        """`(n,)`: the name of the rule, `numpy.str_`."""
         return self._once("rules", lambda: np.array(self.rule_names or ("",))[self.columns.rule])
 
     @property
     def severities(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: `"critical"`, `"major"` or `"minor"`."""
+        """`(n,)`: `"critical"`, `"major"` or `"minor"`, `numpy.str_`."""
         return self._once("severities", lambda: np.array(SEVERITIES)[self.columns.severity])
 
     @cached_property
@@ -425,7 +425,7 @@ class Table(OldAttributes, Sequence[Clash]):
 
     @property
     def statuses(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: each finding's status."""
+        """`(n,)`: each finding's status, `numpy.str_`."""
         words = self._marked("status")
         if self._statuses is None or self._statuses[0] is not words:
             self._statuses = (words, read_only(np.array(words, dtype="U8")))

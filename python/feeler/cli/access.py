@@ -33,6 +33,7 @@ from feeler.cli.inputs import (
     read_poses,
     read_tool,
 )
+from feeler.cli.options import Ends, Needs
 from feeler.cli.values import ANY_LENGTH, LENGTH, POSITION, POSITIVE_LENGTH, SWING, TURNS, Whole, Word
 from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
@@ -75,6 +76,7 @@ def access(
             "--write-catalogue",
             help="Write the built-in catalogue, to be changed, and stop. The file must not exist yet.",
         ),
+        Ends("--json"),
     ] = None,
     targets: Annotated[
         list[str] | None,
@@ -132,7 +134,7 @@ def access(
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
-    tool_unit: ToolUnit = None,
+    tool_unit: Annotated[ToolUnit, Needs("--tool", "--hand")] = None,
     up: Up = None,
     threads: Threads = None,
     workers: Workers = None,
@@ -155,7 +157,7 @@ def access(
     wanted = {"csv": csv, "glb": glb}
     if write_catalogue is not None:
         outputs.check_targets({"write-catalogue": write_catalogue}, {"write-catalogue": (".toml",)}, mockup or [])
-        _write_catalogue(write_catalogue)
+        _write_catalogue(write_catalogue, as_json)
         return
     mockup = needed(mockup)
     if (tool is None) == (catalogue is None):
@@ -165,7 +167,7 @@ def access(
         raise OptionError("--frames are the targets: leave out --targets and --kind")
     places = None if frames is None else read_poses(frames)
     grasp = _grip(grip)
-    world, probe = _read(mockup, unit, tool, catalogue, tool_unit, up)
+    world, probe = _read(mockup, unit, tool, catalogue, hand, tool_unit, up)
     holding = _held(hand, probe, tool_unit, up)
     with bar("indexing") as progress:
         alone = probe if isinstance(probe, feeler.Tool) else None
@@ -227,7 +229,7 @@ def access(
         raise typer.Exit(FOUND)
 
 
-def _write_catalogue(path: Path) -> None:
+def _write_catalogue(path: Path, as_json: bool) -> None:
     """Writes the built-in catalogue."""
     from feeler.atomic import atomic_file
     from feeler.cli import outputs
@@ -235,15 +237,24 @@ def _write_catalogue(path: Path) -> None:
 
     with atomic_file(path, ".toml") as file:
         file.write(built_in_text().encode())
-    outputs.say(outputs.console(), f"catalogue written to {path}")
+    if as_json:
+        outputs.print_json({"written": {"catalogue": str(path)}})
+    else:
+        outputs.say(outputs.console(), f"catalogue written to {path}")
 
 
 def _read(
-    mockup: list[str], unit: str | None, tool: str | None, catalogue: str | None, tool_unit: str | None, up: str | None
+    mockup: list[str],
+    unit: str | None,
+    tool: str | None,
+    catalogue: str | None,
+    hand: str | None,
+    tool_unit: str | None,
+    up: str | None,
 ) -> tuple[feeler.Mockup, feeler.Tool | feeler.Catalogue]:
     """The mock-up, and the tool or tools."""
     if catalogue is None:
-        return read_both(mockup, unit, tool, tool_unit, up)
+        return read_both(mockup, unit, tool, tool_unit, up, hand=hand)
     tools = feeler.catalogue(catalogue)
     return read_mockup(mockup, unit, up), tools
 

@@ -25,12 +25,15 @@ from typing import Annotated, Any, NoReturn, TypeVar
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from feeler.cli.options import in_command_line_words, in_text
+from feeler.cli.options import check_together, given_of, in_command_line_words, in_text
 from feeler.errors import FeelerError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+_CONTEXT = "context_of_run"
+"""The parameter by which typer passes the context to a command that does not ask for it."""
 
 
 class _PlainWords:
@@ -71,11 +74,16 @@ def command(
 
     def register(function: Command) -> Command:
         signature, options = in_text(function)
+        signature, context_name = _with_context(signature)
 
         @functools.wraps(function)
         def run(*args: Any, **kwargs: Any) -> Any:
+            context = kwargs[context_name]
+            if context_name == _CONTEXT:
+                del kwargs[_CONTEXT]
             try:
                 values = kwargs | {name: option.read(kwargs[name]) for name, option in options.items()}
+                check_together(options, given_of(context), values)
                 return function(*args, **values)
             except FeelerError as error:
                 fail(in_command_line_words(str(error), options, kwargs))
@@ -103,6 +111,15 @@ def command(
         return function
 
     return register
+
+
+def _with_context(signature: inspect.Signature) -> tuple[inspect.Signature, str]:
+    """With a parameter for the context, unless the command has one; and its name."""
+    for name, parameter in signature.parameters.items():
+        if parameter.annotation is typer.Context:
+            return signature, name
+    context = inspect.Parameter(_CONTEXT, inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+    return signature.replace(parameters=[*signature.parameters.values(), context]), _CONTEXT
 
 
 def print_examples(examples: Iterable[str]) -> None:

@@ -26,6 +26,7 @@ from feeler.cli.inputs import (
     indexed,
     read_checked,
 )
+from feeler.cli.options import given_of
 from feeler.cli.projects import Work, files_of, fitted, named_project, open_for_writing, take_mockup
 from feeler.cli.values import LENGTH, Or, Word
 from feeler.errors import OptionError
@@ -266,8 +267,8 @@ def _kept(
             f"{rules}: a project keeps at most {MOST_RULES:,} characters of rules, and it has {len(text):,}"
         )
     return ClashSettings(
-        clearance if _is_given(context, "clearance") else last.clearance,
-        (None if isinstance(contact, str) else contact) if _is_given(context, "contact") else last.contact,
+        clearance if "clearance" in given_of(context) else last.clearance,
+        (None if isinstance(contact, str) else contact) if "contact" in given_of(context) else last.contact,
         text,
     )
 
@@ -305,19 +306,13 @@ _CHECKING = ("clearance", "contact", "volume", "without", "only", "unit", "up", 
 
 def _check_saved(context: typer.Context, targets: dict[str, Path | None]) -> None:
     """Raises `OptionError` for options that need the mock-up."""
-    given = [name for name in _CHECKING if _is_given(context, name)]
+    given = [name for name in _CHECKING if name in given_of(context)]
     given += [name for name in ("bcf", "glb") if targets[name] is not None]
     if given:
         options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
         raise OptionError(
             f"{options}: saved findings are not checked again. Pass the mock-up instead of the .json file"
         )
-
-
-def _is_given(context: typer.Context, name: str) -> bool:
-    """Whether an option was given on the command line."""
-    source = context.get_parameter_source(name)
-    return source is not None and source.name == "COMMANDLINE"
 
 
 def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:

@@ -36,6 +36,7 @@ from feeler.cli.inputs import (
     read_both,
     warn_of_far_poses,
 )
+from feeler.cli.options import Needs
 from feeler.cli.values import LENGTH
 from feeler.progress import bar
 from feeler.words import plural
@@ -67,7 +68,7 @@ def clearance(
     pose: PoseFile = None,
     at: At = None,
     rotate: Rotate = None,
-    snap_pose: SnapPose = False,
+    snap_pose: Annotated[SnapPose, Needs("--pose")] = False,
     within: Annotated[float, typer.Option(help="List parts up to this distance."), LENGTH] = 0.005,
     require: Annotated[
         float | None, typer.Option(help="Required clearance: with less, the exit status is 1."), LENGTH

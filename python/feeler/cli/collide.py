@@ -50,6 +50,7 @@ from feeler.cli.inputs import (
     read_both,
     warn_of_far_poses,
 )
+from feeler.cli.options import Needs
 from feeler.cli.values import PIXELS
 from feeler.progress import bar
 from feeler.words import plural
@@ -78,7 +79,7 @@ def collide(
     pose: PoseFile = None,
     at: At = None,
     rotate: Rotate = None,
-    snap_pose: SnapPose = False,
+    snap_pose: Annotated[SnapPose, Needs("--pose")] = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -91,9 +92,13 @@ def collide(
     ] = None,
     context: Context = None,
     picture: Annotated[Path | None, typer.Option(help="Write a picture (PNG).")] = None,
-    picture_size: Annotated[tuple[int, int], typer.Option(help="Size of --picture, pixels."), PIXELS] = (1600, 1000),
+    picture_size: Annotated[
+        tuple[int, int], typer.Option(help="Size of --picture, pixels."), PIXELS, Needs("--picture")
+    ] = (1600, 1000),
     list_pairs: Annotated[
-        bool, typer.Option("--pairs", help="With --json: list every pair (tool triangle, mock-up triangle).")
+        bool,
+        typer.Option("--pairs", help="With --json: list every pair (tool triangle, mock-up triangle)."),
+        Needs("--json"),
     ] = False,
     as_json: AsJson = False,
 ) -> None:

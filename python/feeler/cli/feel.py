@@ -28,6 +28,7 @@ from feeler.cli.inputs import (
     Without,
     read_both,
 )
+from feeler.cli.options import Needs
 from feeler.cli.values import COLLISION_RATE, SECONDS, SEED, SERVO_RATE, STIFFNESS, Number, Word
 from feeler.errors import OptionError
 from feeler.haptics import Coupling, Granted, Session, Statistics, Trace, View, devices
@@ -88,6 +89,7 @@ def feel(
         str,
         typer.Option(metavar="PRESET", help=f"Preset of the simulated device: {', '.join(devices.PRESETS)}."),
         Word(tuple(devices.PRESETS)),
+        Needs("--device simulated"),
     ] = "large_6dof",
     check: Annotated[
         bool,
@@ -109,7 +111,9 @@ def feel(
         typer.Option(help="Stiffness of the coupling, N/m. Default: the most that the device holds."),
         STIFFNESS,
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the simulated hand's path."), SEED] = 0,
+    seed: Annotated[
+        int, typer.Option(help="Seed of the simulated hand's path."), SEED, Needs("--device simulated")
+    ] = 0,
     record: Annotated[
         Path | None,
         typer.Option(help="Record the hand's motion and the results, step by step, for feeler.haptics.replay (.npz)."),

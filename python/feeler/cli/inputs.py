@@ -17,6 +17,7 @@ import typer
 import feeler
 from feeler.arguments import check_word
 from feeler.choices import FAULT_NAMES, SAMPLE_NAMES, SAMPLE_TOOL_NAMES, Fault, SampleName, SampleToolName
+from feeler.cli.options import Needs
 from feeler.cli.outputs import warn
 from feeler.cli.values import (
     LENGTH,
@@ -124,9 +125,17 @@ VoxelSize = Annotated[
     POSITIVE_LENGTH,
 ]
 Storage = Annotated[str, typer.Option(help="The index."), STORAGE]
-Hashing = Annotated[float, typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99."), SHARE_SAVED]
+Hashing = Annotated[
+    float,
+    typer.Option(help="For --storage hashed: share of memory saved, 0 to 0.99."),
+    SHARE_SAVED,
+    Needs("--storage hashed"),
+]
 Context = Annotated[
-    float | None, typer.Option(help="In --glb, only the parts listed and those nearer to the tool than this."), LENGTH
+    float | None,
+    typer.Option(help="In --glb, only the parts listed and those nearer to the tool than this."),
+    LENGTH,
+    Needs("--glb"),
 ]
 Threads = Annotated[int | None, typer.Option(help="Default: all cores."), THREADS]
 BuildThreads = Annotated[int | None, typer.Option(help="For the build; default: all cores."), THREADS]
@@ -202,12 +211,13 @@ def read_both(
     tool_unit: str | None,
     up: str | None,
     part: list[str] | None = None,
+    hand: str | None = None,
 ) -> tuple[feeler.Mockup, feeler.Tool]:
-    """Mock-up and tool; the tool may be parts of the mock-up.
+    """Mock-up and tool; the tool may be parts of the mock-up. hand: what else is in the tool's unit.
 
     Prints doubts about them to stderr, a line each.
     """
-    check_moving(tool, tool_unit, part)
+    check_moving(tool, tool_unit, part, hand)
     world = read_mockup(mockup, unit, up)
     if tool is None:
         with _named("--part"):
@@ -249,7 +259,7 @@ def warn_of_far_poses(world: feeler.Mockup, probe: feeler.Tool, poses: Poses) ->
         )
 
 
-def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None) -> None:
+def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None, hand: str | None = None) -> None:
     """Checks that exactly one moving body is given."""
     if (tool is None) == (not part):
         said = (
@@ -260,6 +270,14 @@ def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None
         raise OptionError(said)
     if tool is None and tool_unit is not None:
         raise OptionError("--tool-unit is for --tool FILE: parts of the mock-up are in its unit, --unit")
+    if tool is not None:
+        check_unit("--tool-unit", tool_unit, *filter(None, (tool, hand)))
+
+
+def check_unit(option: str, unit: str | None, *sources: str) -> None:
+    """Checks that no unit is given for samples alone. Raises `OptionError`."""
+    if unit is not None and sources and all(source.startswith(_SAMPLE) for source in sources):
+        raise OptionError(f"{option} is for files: {sources[0]} is made in metres")
 
 
 @contextlib.contextmanager
@@ -310,6 +328,9 @@ def read_mockup(
     """
     if any(source.startswith(_SAMPLE) for source in sources):
         sample, count, seed, faults = _sample_of(sources)
+        check_unit("--unit", unit, sources[0])
+        if chord_tolerance is not None:
+            raise OptionError(f"--chord-tolerance is for STEP files: {sources[0]} is made of triangles")
         with telling(f"making {sample}", also) as progress:
             mockup = feeler.sample(sample, count, seed=seed, faults=faults, progress=progress)
         axis, wanted = mockup.source.up, parse_axis(up)

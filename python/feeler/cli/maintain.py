@@ -30,6 +30,7 @@ from feeler.cli.inputs import (
     read_checked,
     read_tool,
 )
+from feeler.cli.options import Needs
 from feeler.cli.projects import Work, files_of, fitted, named_project, open_for_writing, take_mockup
 from feeler.cli.values import POSITION, SECONDS, SEED
 from feeler.cli.workers import Dask, Workers, executor_of
@@ -82,6 +83,7 @@ def maintain(
     grip: Annotated[
         str | None,
         typer.Option(metavar="AXIS", help="The axis of the tools that points out of the joint: x, y, z, -x, -y, -z."),
+        Needs("--tool"),
     ] = None,
     times: Annotated[
         Path | None, typer.Option(help="Times of the elements of a step (TOML). Default: figures that are examples.")
@@ -118,7 +120,7 @@ def maintain(
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
-    tool_unit: ToolUnit = None,
+    tool_unit: Annotated[ToolUnit, Needs("--tool")] = None,
     up: Up = None,
     threads: Threads = None,
     workers: Workers = None,
@@ -145,8 +147,8 @@ def maintain(
         raise OptionError("--parts and --part both say which parts: give one of them")
     if parts is None and not part:
         raise OptionError("nothing says which parts: give a list, --parts FILE.csv, or --part PATTERN")
-    if tools is not None and (tool or grip is not None):
-        raise OptionError("--tools has all tools: leave out --tool and --grip")
+    if tools is not None and tool:
+        raise OptionError("--tools has all tools: leave out --tool")
     if xlsx is not None:
         xlsx_library()
     before = None if previous is None else feeler.load_maintenance(previous)
@@ -229,8 +231,6 @@ def _words(fail_on: str | None) -> list[MaintainFault]:
 def _tools(files: list[str] | None, grip: str | None, unit: str | None, up: str | None) -> dict[str, Any] | None:
     """Tools by name, with the axis by which they sit."""
     if not files:
-        if grip is not None:
-            raise OptionError("--grip is of tools: give --tool too")
         return None
     options = {} if grip is None else {"grip": check_word("--grip", grip, GRIP_AXES)}
     found: dict[str, Any] = {}

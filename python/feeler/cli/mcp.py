@@ -27,6 +27,7 @@ from feeler.cli.inputs import (
     read_tool,
     warn_of_doubts,
 )
+from feeler.cli.options import Needs
 from feeler.errors import OptionError
 from feeler.progress import Progress
 
@@ -61,7 +62,7 @@ def mcp(
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
-    tool_unit: ToolUnit = None,
+    tool_unit: Annotated[ToolUnit, Needs("--tool")] = None,
     up: Up = None,
     chord_tolerance: ChordTolerance = None,
     threads: Threads = None,

@@ -12,6 +12,7 @@ import feeler
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import mesh_facts
 from feeler.cli.inputs import AsJson, MockupUnit, Threads, Up, indexed, read_checked, warn_of_doubts
+from feeler.cli.options import Ends, Needs
 from feeler.cli.values import ANGLE, ANY_LENGTH, LENGTH, POSITIVE_LENGTH
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -28,6 +29,9 @@ Files = Annotated[
 
 _First = tuple[dict[str, float], "feeler.MechanismContact"]
 """The given numbers of a position, and what meets there."""
+
+
+_OF_A_RANGE = Needs("--joint", "--animation")
 
 
 @command(
@@ -55,8 +59,12 @@ def move(
     animation: Annotated[
         str | None, typer.Option(metavar="NAME", help="Move the parts of a glTF file by its animation, or its number.")
     ] = None,
-    require: Annotated[float | None, typer.Option(help="The gap that must hold at all positions."), LENGTH] = None,
-    error: Annotated[float, typer.Option(help="How near the bounds of the gap come."), POSITIVE_LENGTH] = 1e-4,
+    require: Annotated[
+        float | None, typer.Option(help="The gap that must hold at all positions."), LENGTH, _OF_A_RANGE
+    ] = None,
+    error: Annotated[
+        float, typer.Option(help="How near the bounds of the gap come."), POSITIVE_LENGTH, _OF_A_RANGE
+    ] = 1e-4,
     geometry: Annotated[
         Literal["collision", "visual"] | None, typer.Option(help="Which geometry of a robot. Default: collision.")
     ] = None,
@@ -68,10 +76,12 @@ def move(
         typer.Option(
             help="Write a new file of joints, and end: those of --child, or one to fill in. It must not exist yet."
         ),
+        Ends("--child", "--parent", "--unit", "--up", "--json"),
     ] = None,
     child: Annotated[
         list[str] | None,
         typer.Option(metavar="PATTERN", help="Find the joint of these parts from their surfaces. Several are allowed."),
+        Needs("--write-mechanism"),
     ] = None,
     parent: Annotated[
         list[str] | None,
@@ -79,12 +89,19 @@ def move(
             metavar="PATTERN",
             help="The parts that a --child moves on: one for each, or one for all. Default: all that do not move.",
         ),
+        Needs("--child"),
     ] = None,
-    csv: Annotated[Path | None, typer.Option(help="Write the gap over the range of one joint (CSV).")] = None,
+    csv: Annotated[
+        Path | None, typer.Option(help="Write the gap over the range of one joint (CSV)."), _OF_A_RANGE
+    ] = None,
     glb: Annotated[
-        Path | None, typer.Option(help="Write the worst position, with both parts and their closest points (GLB).")
+        Path | None,
+        typer.Option(help="Write the worst position, with both parts and their closest points (GLB)."),
+        _OF_A_RANGE,
     ] = None,
-    film: Annotated[Path | None, typer.Option(help="Write the motion of one joint as an animation (GLB).")] = None,
+    film: Annotated[
+        Path | None, typer.Option(help="Write the motion of one joint as an animation (GLB)."), Needs("--joint")
+    ] = None,
     unit: MockupUnit = None,
     up: Up = None,
     threads: Threads = None,
@@ -110,15 +127,8 @@ def move(
         )
     if len(ways) > 1:
         raise OptionError(f"{' and '.join(ways)} both say what moves: give one")
-    if (child or parent) and write_mechanism is None:
-        raise OptionError("--child and --parent are of --write-mechanism: give it too, such as cowl.toml")
     if not robots and (geometry is not None or package_dir):
         raise OptionError("--geometry and --package-dir are of a robot: give a .urdf file")
-    asks = joint or animation is not None
-    if not asks and (csv or glb or film or require is not None):
-        raise OptionError(
-            "--require, --csv, --glb and --film are of a range: give --joint too, such as --joint hinge=0:110"
-        )
     if animation is not None:
         if joint or film:
             raise OptionError("--joint and --film are of joints, and an animation has its own motion: leave them out")

@@ -39,8 +39,6 @@ def write(path: Path, world: feeler.Mockup, children: list[str], parents: list[s
 
     out = Console(stderr=True, highlight=False)
     if not children:
-        if parents:
-            raise OptionError("--parent is of a --child: give it too, such as --child '*cowl*'")
         _template(path, world)
         outputs.say(out, f"a mechanism to fill in was written to {path}")
         return {"joints": []}

@@ -25,6 +25,7 @@ from feeler.cli.inputs import (
     needed,
     read_checked,
 )
+from feeler.cli.options import Ends
 from feeler.cli.values import DIRECTION, POSITION, POSITIVE_LENGTH, Number
 from feeler.errors import OptionError
 
@@ -55,6 +56,7 @@ def opening(
     write_limits: Annotated[
         Path | None,
         typer.Option("--write-limits", help="Write a file of limits to be filled in, and stop. It must not exist yet."),
+        Ends("--json"),
     ] = None,
     without: Without = None,
     only: Only = None,
@@ -74,7 +76,10 @@ def opening(
     if write_limits is not None:
         outputs.check_targets({"write-limits": write_limits}, {"write-limits": (".toml",)}, mockup or [])
         write_limits_template(write_limits)
-        outputs.say(outputs.console(), f"limits written to {write_limits}: fill in the numbers of your standard")
+        if as_json:
+            outputs.print_json({"written": {"limits": str(write_limits)}})
+        else:
+            outputs.say(outputs.console(), f"limits written to {write_limits}: fill in the numbers of your standard")
         return
     mockup = needed(mockup)
     if at is None or axis is None:

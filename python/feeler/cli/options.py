@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import copy
 import inspect
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
 
+import typer
 from typer.models import OptionInfo
 
 from feeler.cli.values import FileName, Text, Value
@@ -20,14 +21,31 @@ from feeler.errors import OptionError
 _SHOWN = 60  # characters of a wrong text
 
 
+class Needs:
+    """An option that does nothing without one of others, given ("--glb") or with a value ("--storage hashed")."""
+
+    def __init__(self, *others: str) -> None:
+        self.others = others
+
+
+class Ends:
+    """An option that writes a file and ends the command; `used`: the options that do something beside it."""
+
+    def __init__(self, *used: str) -> None:
+        self.used = used
+
+
 @dataclass(frozen=True)
 class Option:
-    """An option of a command: its name, its kind, and its default as value and as text."""
+    """An option of a command: its name, its kind, its default as value and as text, and the others it goes with."""
 
     name: str
     value: Value | None
     default: Any = None
     shown: str | None = None
+    needs: tuple[str, ...] = ()
+    ends_with: tuple[str, ...] | None = None
+    """Of one that ends the command: the options that may be given with it."""
 
     def read(self, given: Any) -> Any:
         """The value of a text, or of a list of texts. Raises `OptionError` for a wrong one."""
@@ -58,7 +76,10 @@ def in_text(function: Callable[..., Any]) -> tuple[inspect.Signature, dict[str, 
             kinds = (plain, *get_args(plain))
             if value is None and bool not in kinds:
                 value = FileName() if Path in kinds else Text()
-            options[name] = option = _option(name, info, value, parameter.default)
+            needs = next((each.others for each in extra if isinstance(each, Needs)), ())
+            used = next((each.used for each in extra if isinstance(each, Ends)), None)
+            option = replace(_option(name, info, value, parameter.default), needs=needs, ends_with=used)
+            options[name] = option
             info = copy.copy(info)
             if info.metavar is None:
                 info.metavar = value.metavar if value else ""
@@ -83,6 +104,27 @@ def _option(name: str, info: OptionInfo, value: Value | None, default: Any) -> O
     if value is None or default in (None, inspect.Parameter.empty):
         return Option(option, value)
     return Option(option, value, default, value.shown(default))
+
+
+def given_of(context: typer.Context) -> set[str]:
+    """The parameters that were given on the command line."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return {name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"}
+
+
+def check_together(options: Mapping[str, Option], given: Collection[str], values: Mapping[str, Any]) -> None:
+    """Checks that no option is given in vain. Raises `OptionError` for one without another that it is for, and for one
+    that a command would not come to."""
+    told = [option.name for name, option in options.items() if name in given]
+    chosen = {f"{option.name} {values[name]}" for name, option in options.items()}
+    for option in (options[name] for name in options if name in given):
+        if option.needs and not any(each in told or each in chosen for each in option.needs):
+            too = "it" if len(option.needs) == 1 else "one of these"
+            raise OptionError(f"{option.name} is for {' or '.join(option.needs)}: give {too}, too")
+        if option.ends_with is not None:
+            more = [each for each in told if each not in (option.name, *option.ends_with)]
+            if more:
+                raise OptionError(f"{option.name} writes a file and ends: leave out {', '.join(more)}")
 
 
 def in_command_line_words(message: str, options: Mapping[str, Option], given: Mapping[str, Any]) -> str:

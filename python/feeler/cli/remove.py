@@ -29,12 +29,14 @@ from feeler.cli.inputs import (
     Triple,
     Up,
     Without,
+    check_unit,
     poses_of_options,
     read_mockup,
     read_poses,
     read_tool,
     warn_of_doubts,
 )
+from feeler.cli.options import Needs
 from feeler.cli.values import DIRECTION, LENGTH, SECONDS, SEED, THREADS, Whole
 from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import MeshError, OptionError
@@ -80,7 +82,9 @@ def remove(
         bool, typer.Option("--order", help="Also find the parts to remove first, and the path of each.")
     ] = False,
     keep: Annotated[
-        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must stay (repeat for more).")
+        list[str] | None,
+        typer.Option(metavar="PATTERN", help="With --order: parts that must stay (repeat for more)."),
+        Needs("--order"),
     ] = None,
     insert: Annotated[
         bool, typer.Option("--insert", help="Find the path into its place instead, from outside or --from FILE.")
@@ -88,9 +92,12 @@ def remove(
     from_: Annotated[
         Path | None,
         typer.Option("--from", help="With --insert: the start, as a motion from its place, a 4 by 4 matrix."),
+        Needs("--insert"),
     ] = None,
     goal: Annotated[
-        Path | None, typer.Option(help="With --insert: the goal, as a motion from its place; a file as for --from.")
+        Path | None,
+        typer.Option(help="With --insert: the goal, as a motion from its place; a file as for --from."),
+        Needs("--insert"),
     ] = None,
     hand: Annotated[
         str | None,
@@ -98,10 +105,10 @@ def remove(
             metavar="FILE", help="A hand that grips it: a file, or sample:NAME, placed by --at, --rotate or --pose."
         ),
     ] = None,
-    hand_unit: ToolUnit = None,
-    at: At = None,
-    rotate: Rotate = None,
-    pose: PoseFile = None,
+    hand_unit: Annotated[ToolUnit, Needs("--hand")] = None,
+    at: Annotated[At, Needs("--hand")] = None,
+    rotate: Annotated[Rotate, Needs("--hand")] = None,
+    pose: Annotated[PoseFile, Needs("--hand")] = None,
     ignore: Annotated[
         list[str] | None,
         typer.Option(metavar="PATTERN", help="Neighbours that it may touch and cross on its path (repeat for more)."),
@@ -121,7 +128,7 @@ def remove(
     ] = 0.0,
     seconds: Annotated[float, typer.Option(help="Time for a part; with --order, in total."), SECONDS] = 30.0,
     seed: Annotated[int, typer.Option(help="Seed of the random search; the same seed finds the same path."), SEED] = 0,
-    snap_pose: SnapPose = False,
+    snap_pose: Annotated[SnapPose, Needs("--pose", "--from", "--goal")] = False,
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
@@ -134,8 +141,8 @@ def remove(
         typer.Option(help="The most rounds of the search: equal work, so equal answers on every machine."),
         Whole(0, 2**32 - 1),
     ] = None,
-    workers: Workers = None,
-    dask: Dask = None,
+    workers: Annotated[Workers, Needs("--each", "--order")] = None,
+    dask: Annotated[Dask, Needs("--each", "--order")] = None,
     allow: Annotated[str | None, typer.Option(hidden=True)] = None,  # of early builds
     csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
     way: Annotated[
@@ -155,11 +162,9 @@ def remove(
     if allow is not None:
         raise OptionError("--allow is gone: give --ignore PATTERN, --overlap METRES, or --no-seats")
     targets = {"csv": csv, "way": way, "glb": glb}
-    _check(targets, [*mockup, hand, pose], part, each, order, keep, hand, hand_unit, (at, rotate, pose))
+    _check(targets, [*mockup, hand, pose], part, each, order, hand)
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
-    if (workers is not None or dask is not None) and not (each or order):
-        raise OptionError("--workers and --dask are for --each and --order: give one of these, too")
     if rounds is not None and insert:
         raise OptionError("--rounds is for removals, without --insert")
     options: dict[str, Any] = {
@@ -174,6 +179,8 @@ def remove(
     }
     if rounds is not None:
         options["rounds"] = rounds
+    if hand is not None:
+        check_unit("--hand-unit", hand_unit, hand)
     held = None if hand is None else read_tool(hand, hand_unit, up)
     start = poses_of_options(pose, at, rotate, snap_pose, has_place=True)
     if len(start) > 1:
@@ -348,10 +355,7 @@ def _check(
     part: list[str] | None,
     each: bool,
     order: bool,
-    keep: list[str] | None,
     hand: str | None,
-    hand_unit: str | None,
-    place: tuple[Any, ...],
 ) -> None:
     from feeler.cli import outputs
 
@@ -360,18 +364,12 @@ def _check(
         raise OptionError("no part to take out: give --part PATTERN (feeler info --parts lists all)")
     if each and (order or targets["way"] is not None or targets["glb"] is not None or hand is not None):
         raise OptionError("--each is for single parts: leave out --order, --hand, --way and --glb")
-    if keep and not order:
-        raise OptionError("--keep is for --order: give it, too")
-    if hand is None and (hand_unit is not None or any(given is not None for given in place)):
-        raise OptionError("--at, --rotate, --pose and --hand-unit are for --hand: give it, too")
 
 
 def _ends(insert: bool, files: dict[str, Path | None], is_other: bool, snap: bool) -> dict[str, Any] | None:
     """Start and goal of a path in, as `feeler.insertion` takes them."""
     given = {option: file for option, file in files.items() if file is not None}
     if not insert:
-        if given:
-            raise OptionError(f"{next(iter(given))} is for --insert: give it, too")
         return None
     if is_other:
         raise OptionError("--insert is for one path: leave out --each and --order")

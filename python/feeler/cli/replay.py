@@ -19,10 +19,12 @@ from feeler.cli.inputs import (
     ToolUnit,
     Up,
     Without,
+    check_unit,
     read_mockup,
     read_tool,
     warn_of_doubts,
 )
+from feeler.cli.options import Needs
 from feeler.progress import bar
 
 if TYPE_CHECKING:
@@ -54,7 +56,7 @@ def replay(
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
-    tool_unit: ToolUnit = None,
+    tool_unit: Annotated[ToolUnit, Needs("--tool")] = None,
     up: Up = None,
     threads: Threads = None,
     page: Annotated[
@@ -62,7 +64,9 @@ def replay(
         typer.Option("--page", help="Replay it in the workbench, at the recorded speed, and continue there."),
     ] = False,
     browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="With --page: open the page in the browser.")
+        bool,
+        typer.Option("--browser/--no-browser", help="With --page: open the page in the browser."),
+        Needs("--page"),
     ] = True,
     as_json: AsJson = False,
 ) -> None:
@@ -78,6 +82,8 @@ def replay(
     read = read_record(record)
     world = read_mockup(mockup or [_SAMPLE], unit, up)
     warn_of_doubts(world)
+    if tool is not None:
+        check_unit("--tool-unit", tool_unit, tool)
     probe = None if tool is None else read_tool(tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)

@@ -14,6 +14,7 @@ import typer
 import feeler
 from feeler.cli.app import INTERRUPTED, command, fail
 from feeler.cli.inputs import AsJson, MockupUnit, Only, Up, Without, read_mockup, warn_of_doubts
+from feeler.cli.options import Needs
 from feeler.cli.projects import Work, completed, files_of, fitted, named_project, open_named
 from feeler.cli.values import Whole
 from feeler.errors import MissingFileError, OptionError, WriteError
@@ -65,9 +66,12 @@ def report(
         int,
         typer.Option(help="Most findings with a picture, as many requirements and as many ways; the lists have all."),
         Whole(0, 100_000),
+        Needs("--html", "--xlsx"),
     ] = 60,
     one_file: Annotated[
-        bool, typer.Option("--one-file", help="Films inside of the page (up to 24 MB), and no folder beside it.")
+        bool,
+        typer.Option("--one-file", help="Films inside of the page (up to 24 MB), and no folder beside it."),
+        Needs("--html"),
     ] = False,
     without: Without = None,
     only: Only = None,
@@ -93,8 +97,6 @@ def report(
     if path is None:
         raise OptionError(f"{project} is no project: give a project (.feelproj), then its mock-up if you want another")
     outputs.check_targets({"html": html, "xlsx": xlsx}, _ENDINGS)
-    if one_file and html is None:
-        raise OptionError("--one-file is of the page: give --html FILE, too")
     if xlsx is not None:
         xlsx_library()
     folder = None if html is None or one_file else _folder(html)

@@ -12,6 +12,7 @@ from feeler.arguments import check_word
 from feeler.choices import FAULT_NAMES
 from feeler.cli.app import command
 from feeler.cli.inputs import AsJson, faults_of
+from feeler.cli.options import given_of
 from feeler.cli.values import COUNT, SEED
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -27,6 +28,8 @@ feeler sample wrench --fine --out wrench.stl
 """
 )
 def sample(
+    context: typer.Context,
+    *,
     name: Annotated[
         str | None, typer.Argument(metavar="[NAME]", help="Mock-up or tool; without it all names are listed.")
     ] = None,
@@ -54,8 +57,12 @@ def sample(
     from feeler.cli import outputs
     from feeler.samples import sample_names, sample_tool_names
 
+    told = given_of(context)
     mockups, tools = sample_names(), sample_tool_names()
+    given = [f"--{option}" for option in ("triangles", "seed", "fine", "fault", "truth", "out") if option in told]
     if name is None:
+        if given:
+            raise OptionError(f"{given[0]} is of a sample: give its name, such as gearbox, too")
         if as_json:
             outputs.print_json({"mockups": list(mockups), "tools": list(tools)})
         else:
@@ -70,6 +77,8 @@ def sample(
     if name in tools:
         if faults or truth is not None:
             raise OptionError("--fault and --truth are for the gearbox")
+        if "triangles" in told or "seed" in told:
+            raise OptionError("--triangles and --seed are for mock-ups; a tool takes --fine")
         mesh = feeler.sample_tool(check_word("name", name, tools), fine=fine)
     else:
         if fine:

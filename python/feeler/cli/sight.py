@@ -26,6 +26,7 @@ from feeler.cli.inputs import (
     indexed,
     read_checked,
 )
+from feeler.cli.options import Needs
 from feeler.cli.values import POSITION, SHARE, Whole, Word
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -53,7 +54,9 @@ def sight(
         Triple | None, typer.Option("--from", help="Eyes anywhere in a box: its lower corner."), POSITION
     ] = None,
     upper: Annotated[Triple | None, typer.Option("--to", help="And its upper corner."), POSITION] = None,
-    eyes: Annotated[int, typer.Option(help="As many eyes in the box, spread evenly."), Whole(1, 10_000)] = 64,
+    eyes: Annotated[
+        int, typer.Option(help="As many eyes in the box, spread evenly."), Whole(1, 10_000), Needs("--from")
+    ] = 64,
     targets: Annotated[
         list[str] | None,
         typer.Option(

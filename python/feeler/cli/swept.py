@@ -11,7 +11,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts
-from feeler.cli.inputs import AsJson, SnapPose, Threads, ToolUnit, Up, read_poses, read_tool
+from feeler.cli.inputs import AsJson, SnapPose, Threads, ToolUnit, Up, check_unit, read_poses, read_tool
 from feeler.cli.values import POSITIVE_LENGTH
 from feeler.progress import bar
 from feeler.words import volume as volume_text
@@ -58,6 +58,7 @@ def swept(
 
     if out is not None:
         outputs.check_mesh_target(out, [tool, poses])
+    check_unit("--tool-unit", tool_unit, tool)
     way = read_poses(poses, snap_pose)
     probe = read_tool(tool, tool_unit, up)
     for doubt in probe.source.doubts:

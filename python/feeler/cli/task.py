@@ -28,6 +28,7 @@ from feeler.cli.inputs import (
     read_checked,
     read_tool,
 )
+from feeler.cli.options import Ends, Needs
 from feeler.cli.values import SECONDS, SEED, Whole
 from feeler.cli.workers import Dask, Workers, executor_of
 from feeler.errors import OptionError
@@ -80,6 +81,7 @@ def task(
     grip: Annotated[
         str | None,
         typer.Option(metavar="AXIS", help="The axis of the tools that points out of the joint: x, y, z, -x, -y, -z."),
+        Needs("--tool"),
     ] = None,
     times: Annotated[
         Path | None, typer.Option(help="Times of the elements of a step (TOML). Default: figures that are examples.")
@@ -87,6 +89,7 @@ def task(
     write_times: Annotated[
         Path | None,
         typer.Option(help="Write a file of times to fill in, with the examples, and end. It must not exist yet."),
+        Ends("--times", "--json"),
     ] = None,
     keep: Annotated[
         list[str] | None, typer.Option(metavar="PATTERN", help="Parts that must stay (repeat for more).")
@@ -101,7 +104,7 @@ def task(
     without: Without = None,
     only: Only = None,
     unit: MockupUnit = None,
-    tool_unit: ToolUnit = None,
+    tool_unit: Annotated[ToolUnit, Needs("--tool")] = None,
     up: Up = None,
     threads: Threads = None,
     workers: Workers = None,
@@ -202,8 +205,6 @@ def _selected(world: feeler.Mockup, patterns: list[str]) -> list[int]:
 def _tools(files: list[str] | None, grip: str | None, unit: str | None, up: str | None) -> dict[str, Any] | None:
     """Tools by name, with the axis by which they sit."""
     if not files:
-        if grip is not None:
-            raise OptionError("--grip is of tools: give --tool too")
         return None
     options = {} if grip is None else {"grip": check_word("--grip", grip, GRIP_AXES)}
     found: dict[str, Any] = {}

@@ -29,6 +29,7 @@ from feeler.cli.inputs import (
     Up,
     Without,
     check_sources,
+    check_unit,
     read_mockup,
     read_tool,
     telling,
@@ -170,6 +171,8 @@ def view(
     from feeler.workbench.session.session import Session
 
     is_tool_given = tool is not None
+    if tool is not None:
+        check_unit("--tool-unit", tool_unit, tool)
     named = named_project(mockup, project, read_only)
     if named is not None and record is not None:
         raise OptionError("--record begins with an empty document, and a project has its own: give one of the two")

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from threading import RLock
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn, TypeAlias, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,10 @@ EXTERNAL = "__external"
 
 _ANOTHER = "another feeler.compat.trimesh.CollisionManager"
 
-Names = tuple[Any, Any]
+Names: TypeAlias = tuple[Any, Any]
+_Yes: TypeAlias = Literal[True]
+_No: TypeAlias = Literal[False]
+_Named = TypeVar("_Named")
 
 
 class ContactData:
@@ -222,44 +225,198 @@ class CollisionManager:
         """The names of the objects, in the order in which they were added."""
         return list(self._placed)
 
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, return_names: _No = False, return_data: _No = False
+    ) -> bool: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None, return_names: _Yes, return_data: _No = False
+    ) -> tuple[bool, set[Any]]: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, *, return_names: _Yes, return_data: _No = False
+    ) -> tuple[bool, set[Any]]: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None, return_names: _No, return_data: _Yes
+    ) -> tuple[bool, list[ContactData]]: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, return_names: _No = False, *, return_data: _Yes
+    ) -> tuple[bool, list[ContactData]]: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None, return_names: _Yes, return_data: _Yes
+    ) -> tuple[bool, set[Any], list[ContactData]]: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, *, return_names: _Yes, return_data: _Yes
+    ) -> tuple[bool, set[Any], list[ContactData]]: ...
+    @overload
+    def in_collision_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, return_names: bool = False, return_data: bool = False
+    ) -> bool | tuple[bool, set[Any]] | tuple[bool, list[ContactData]] | tuple[bool, set[Any], list[ContactData]]: ...
     def in_collision_single(
         self,
         mesh: Any,
         transform: npt.ArrayLike | None = None,
         return_names: bool = False,
         return_data: bool = False,
-    ) -> Any:
+    ) -> bool | tuple[bool, set[Any]] | tuple[bool, list[ContactData]] | tuple[bool, set[Any], list[ContactData]]:
         """Whether a mesh meets any object: a bool; with `return_names` also the set of their names, with `return_data`
         also the list of `ContactData`, in which the mesh is called "__external"."""
         alone = CollisionManager(threads=self._threads)
         alone.add_object(EXTERNAL, mesh, transform)
         return self._collisions(alone, lambda pair: pair[0], return_names, return_data)
 
-    def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> Any:
+    @overload
+    def in_collision_internal(self, return_names: _No = False, return_data: _No = False) -> bool: ...
+    @overload
+    def in_collision_internal(self, return_names: _Yes, return_data: _No = False) -> tuple[bool, set[Names]]: ...
+    @overload
+    def in_collision_internal(self, return_names: _No, return_data: _Yes) -> tuple[bool, list[ContactData]]: ...
+    @overload
+    def in_collision_internal(
+        self, return_names: _No = False, *, return_data: _Yes
+    ) -> tuple[bool, list[ContactData]]: ...
+    @overload
+    def in_collision_internal(
+        self, return_names: _Yes, return_data: _Yes
+    ) -> tuple[bool, set[Names], list[ContactData]]: ...
+    @overload
+    def in_collision_internal(
+        self, return_names: bool = False, return_data: bool = False
+    ) -> (
+        bool | tuple[bool, set[Names]] | tuple[bool, list[ContactData]] | tuple[bool, set[Names], list[ContactData]]
+    ): ...
+    def in_collision_internal(
+        self, return_names: bool = False, return_data: bool = False
+    ) -> bool | tuple[bool, set[Names]] | tuple[bool, list[ContactData]] | tuple[bool, set[Names], list[ContactData]]:
         """Whether any two objects meet: a bool; with `return_names` also the set of pairs of names, each sorted, with
         `return_data` also the list of `ContactData`."""
         return self._collisions(None, _sorted, return_names, return_data)
 
+    @overload
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: _No = False, return_data: _No = False
+    ) -> bool: ...
+    @overload
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: _Yes, return_data: _No = False
+    ) -> tuple[bool, set[Names]]: ...
+    @overload
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: _No, return_data: _Yes
+    ) -> tuple[bool, list[ContactData]]: ...
+    @overload
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: _No = False, *, return_data: _Yes
+    ) -> tuple[bool, list[ContactData]]: ...
+    @overload
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: _Yes, return_data: _Yes
+    ) -> tuple[bool, set[Names], list[ContactData]]: ...
+    @overload
     def in_collision_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
-    ) -> Any:
+    ) -> (
+        bool | tuple[bool, set[Names]] | tuple[bool, list[ContactData]] | tuple[bool, set[Names], list[ContactData]]
+    ): ...
+    def in_collision_other(
+        self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
+    ) -> bool | tuple[bool, set[Names]] | tuple[bool, list[ContactData]] | tuple[bool, set[Names], list[ContactData]]:
         """Whether any object meets one of another manager: as `in_collision_internal`, with this manager's name first
         in a pair."""
         other = check_kind("other_manager", other_manager, CollisionManager, _ANOTHER)
         return self._collisions(other, lambda pair: pair, return_names, return_data)
 
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, return_name: _No = False, return_data: _No = False
+    ) -> float: ...
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None, return_name: _Yes, return_data: _No = False
+    ) -> tuple[float, Any]: ...
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, *, return_name: _Yes, return_data: _No = False
+    ) -> tuple[float, Any]: ...
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None, return_name: _No, return_data: _Yes
+    ) -> tuple[float, DistanceData | None]: ...
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, return_name: _No = False, *, return_data: _Yes
+    ) -> tuple[float, DistanceData | None]: ...
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None, return_name: _Yes, return_data: _Yes
+    ) -> tuple[float, Any, DistanceData | None]: ...
+    @overload
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, *, return_name: _Yes, return_data: _Yes
+    ) -> tuple[float, Any, DistanceData | None]: ...
+    @overload
     def min_distance_single(
         self, mesh: Any, transform: npt.ArrayLike | None = None, return_name: bool = False, return_data: bool = False
-    ) -> Any:
+    ) -> float | tuple[float, Any] | tuple[float, DistanceData | None] | tuple[float, Any, DistanceData | None]: ...
+    def min_distance_single(
+        self, mesh: Any, transform: npt.ArrayLike | None = None, return_name: bool = False, return_data: bool = False
+    ) -> float | tuple[float, Any] | tuple[float, DistanceData | None] | tuple[float, Any, DistanceData | None]:
         """The least distance of a mesh from any object; with `return_name` also that object's name, with `return_data`
         also the `DistanceData`. Infinite, with None for both, if there is no object."""
         alone = CollisionManager(threads=self._threads)
         alone.add_object(EXTERNAL, mesh, transform)
         return self._distance(alone, None, lambda pair: pair[0], return_name, return_data)
 
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None = None, return_names: _No = False, return_data: _No = False
+    ) -> float: ...
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None, return_names: _Yes, return_data: _No = False
+    ) -> tuple[float, Names | None]: ...
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None = None, *, return_names: _Yes, return_data: _No = False
+    ) -> tuple[float, Names | None]: ...
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None, return_names: _No, return_data: _Yes
+    ) -> tuple[float, DistanceData | None]: ...
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None = None, return_names: _No = False, *, return_data: _Yes
+    ) -> tuple[float, DistanceData | None]: ...
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None, return_names: _Yes, return_data: _Yes
+    ) -> tuple[float, Names | None, DistanceData | None]: ...
+    @overload
+    def min_distance_internal(
+        self, name: Hashable | None = None, *, return_names: _Yes, return_data: _Yes
+    ) -> tuple[float, Names | None, DistanceData | None]: ...
+    @overload
     def min_distance_internal(
         self, name: Hashable | None = None, return_names: bool = False, return_data: bool = False
-    ) -> Any:
+    ) -> (
+        float
+        | tuple[float, Names | None]
+        | tuple[float, DistanceData | None]
+        | tuple[float, Names | None, DistanceData | None]
+    ): ...
+    def min_distance_internal(
+        self, name: Hashable | None = None, return_names: bool = False, return_data: bool = False
+    ) -> (
+        float
+        | tuple[float, Names | None]
+        | tuple[float, DistanceData | None]
+        | tuple[float, Names | None, DistanceData | None]
+    ):
         """The least distance of any two objects, or of one, by name, from any other; with `return_names` also the two
         names, sorted, with `return_data` also the `DistanceData`. Infinite, with None for both, if there are no two
         objects."""
@@ -267,9 +424,43 @@ class CollisionManager:
             one = None if name is None else self._of(name).body
             return self._distance(None, one, _sorted, return_names, return_data)
 
+    @overload
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: _No = False, return_data: _No = False
+    ) -> float: ...
+    @overload
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: _Yes, return_data: _No = False
+    ) -> tuple[float, Names | None]: ...
+    @overload
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: _No, return_data: _Yes
+    ) -> tuple[float, DistanceData | None]: ...
+    @overload
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: _No = False, *, return_data: _Yes
+    ) -> tuple[float, DistanceData | None]: ...
+    @overload
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: _Yes, return_data: _Yes
+    ) -> tuple[float, Names | None, DistanceData | None]: ...
+    @overload
     def min_distance_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
-    ) -> Any:
+    ) -> (
+        float
+        | tuple[float, Names | None]
+        | tuple[float, DistanceData | None]
+        | tuple[float, Names | None, DistanceData | None]
+    ): ...
+    def min_distance_other(
+        self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
+    ) -> (
+        float
+        | tuple[float, Names | None]
+        | tuple[float, DistanceData | None]
+        | tuple[float, Names | None, DistanceData | None]
+    ):
         """The least distance of any object from one of another manager: as `min_distance_internal`, with this manager's
         name first."""
         other = check_kind("other_manager", other_manager, CollisionManager, _ANOTHER)
@@ -292,8 +483,8 @@ class CollisionManager:
         return self._names[int(bodies[0])], second._names[int(bodies[1])]
 
     def _collisions(
-        self, other: CollisionManager | None, named: Callable[[Names], Any], return_names: bool, return_data: bool
-    ) -> Any:
+        self, other: CollisionManager | None, named: Callable[[Names], _Named], return_names: bool, return_data: bool
+    ) -> bool | tuple[bool, set[_Named]] | tuple[bool, list[ContactData]] | tuple[bool, set[_Named], list[ContactData]]:
         wants_names, wants_data = check_flag("return_names", return_names), check_flag("return_data", return_data)
         with _held(self, other):
             bodies, others = self._bodies, None if other is None else other._bodies
@@ -336,17 +527,23 @@ class CollisionManager:
         self,
         other: CollisionManager | None,
         one: int | None,
-        named: Callable[[Names], Any],
+        named: Callable[[Names], _Named],
         return_names: bool,
         return_data: bool,
-    ) -> Any:
+    ) -> (
+        float
+        | tuple[float, _Named | None]
+        | tuple[float, DistanceData | None]
+        | tuple[float, _Named | None, DistanceData | None]
+    ):
         wants_names, wants_data = check_flag("return_names", return_names), check_flag("return_data", return_data)
         with _held(self, other):
             found = self._overlap(other, one, wants_data) or self._gap(other, one)
         distance, names, data = (float("inf"), None, None) if found is None else found
-        names = None if names is None else named(names)
-        told = (distance, *([names] if wants_names else []), *([data] if wants_data else []))
-        return told if len(told) > 1 else distance
+        told = None if names is None else named(names)
+        if wants_names:
+            return (distance, told, data) if wants_data else (distance, told)
+        return (distance, data) if wants_data else distance
 
     def _gap(self, other: CollisionManager | None, one: int | None) -> tuple[float, Names, DistanceData] | None:
         """The closest two objects."""

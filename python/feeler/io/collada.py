@@ -18,7 +18,7 @@ from feeler.io.collada_nodes import local_matrix
 from feeler.io.collada_skin import Controllers
 from feeler.io.limits import MAX_DEPTH, MAX_PARTS, check_mesh
 from feeler.io.placing import IDENTITY, Matrix, facing, multiply, shift_indices, transform
-from feeler.io.raw import Axis, PathBook, RawMesh, clean_name
+from feeler.io.raw import AT_REST, Axis, PathBook, RawMesh, clean_name
 from feeler.io.rounding import PlacementErrors, of_numbers
 from feeler.io.tally import Tally
 from feeler.io.units import Unit
@@ -248,7 +248,7 @@ class _Reader:
                         name_of(item, item.tag),
                     )
         if self.document.root.first("library_animations") is not None:
-            self.notes.append("animations were not played: parts lie where the scene puts them")
+            self.notes.append(AT_REST)
 
 
 def _are_numbers(element: Element) -> bool:

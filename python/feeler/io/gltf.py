@@ -23,7 +23,7 @@ from feeler.io.gltf_nodes import Instance, SceneGraph, Shape
 from feeler.io.limits import check_mesh
 from feeler.io.placing import facing, is_mirrored, transform, turned
 from feeler.io.placing import shift_indices as shift_indices
-from feeler.io.raw import OUT_OF_RANGE, RawMesh
+from feeler.io.raw import AT_REST, OUT_OF_RANGE, RawMesh
 from feeler.io.skinning import skinned
 from feeler.io.stated import Stated
 from feeler.io.tally import Tally
@@ -77,7 +77,7 @@ def read_gltf(
             progress(0.1 + 0.7 * number / len(graph.instances), f"reading {path.name}")
     notes = graph.notes + tally.notes()
     if document.root.get("animations"):
-        notes.append("animations were not played: parts lie where the scene puts them")
+        notes.append(AT_REST)
     part_of_face = np.repeat(np.arange(len(names), dtype=np.uint32), [len(f) for f in faces[1:]])
     return RawMesh(
         np.concatenate(vertices),

@@ -21,7 +21,7 @@ from feeler.io.files import Found, PathLike, collect
 from feeler.io.gltf import shift_indices
 from feeler.io.limits import check_mesh
 from feeler.io.plausible import LONGEST_M, size_note
-from feeler.io.raw import Axis, PathBook, RawMesh, joined_attributes, portion
+from feeler.io.raw import AT_REST, Axis, PathBook, RawMesh, joined_attributes, portion
 from feeler.io.readers import Watched, read
 from feeler.io.rounding import state_rounding
 from feeler.io.sniff import identify
@@ -97,12 +97,13 @@ def load_with_nodes(
 ) -> tuple[Mockup, list[int], Axis | None]:
     """The mock-up of a glTF file, as of `load_mockup`, the node of each part, and the file's up axis.
 
-    Raises `LoadError` for other files.
+    For one that plays the animations: no note says that they are not. Raises `LoadError` for other files.
     """
     started = time.perf_counter()
     loaded = _load(path, None, up, None, portion(progress, 0.0, 0.8))
     if loaded.raw.nodes is None:
         raise LoadError(f"{path}: this is no glTF file, and only these have animations: export .glb or .gltf")
+    loaded.notes = [note for note in loaded.notes if note != AT_REST]
     return _checked(loaded, started, progress), loaded.raw.nodes, loaded.raw.up
 
 

@@ -21,6 +21,9 @@ Axis: TypeAlias = Literal["x", "y", "z"]
 OUT_OF_RANGE = 0xFFFFFFFF
 """Marks an index in `faces` without a vertex. The triangle is kept and the mock-up reports it."""
 
+AT_REST = "animations were not played: parts lie where the scene puts them"
+"""The note of a file that has animations."""
+
 _MAX_LABEL = 200
 _MAX_PATH = 4000
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")

@@ -1,20 +1,26 @@
-"""TOML files of rules and requirements."""
+"""TOML files of rules, requirements, joints, times and tools."""
 
 from __future__ import annotations
 
 import json
 import re
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from feeler.errors import LoadError, MissingFileError
+from feeler.arguments import shown
+from feeler.errors import FeelerError, LoadError, MissingFileError
 from feeler.io.text import text_of
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+
+VERSION = 1
+"""Of rules, requirements, joints and times."""
 
 
 def toml_of(file: Path, advice: str) -> dict[str, Any]:
@@ -33,6 +39,13 @@ def parsed_toml(text: str, where: str) -> dict[str, Any]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise LoadError(f"{where}: not valid TOML: {error}") from None
     return data
+
+
+def check_version(data: Mapping[str, Any], where: str, error: type[FeelerError] = LoadError) -> None:
+    """Checks the key `version` of a document: without it, it is of version 1. Raises `error` for another."""
+    version = data.get("version", VERSION)
+    if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
+        raise error(f"{where} is of version {shown(version)}, and this feeler reads {VERSION}")
 
 
 LONE = re.compile("[\ud800-\udfff]")

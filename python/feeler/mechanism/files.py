@@ -13,14 +13,14 @@ import numpy as np
 from feeler.atomic import atomic_file
 from feeler.errors import FeelerError, LoadError
 from feeler.io.text import text_of
-from feeler.io.toml import quoted, toml_of
+from feeler.io.toml import check_version, quoted, toml_of
 from feeler.mechanism.coupling import JointCoupling
 from feeler.mechanism.joint import Joint, JointKind
 from feeler.mockup import Mockup
 from feeler.parts import Part, PartsLike
 
 _TABLES = ("joint", "coupling", "loop")
-_IGNORE = "ignore"
+_IGNORE, _VERSION = "ignore", "version"
 _LIMITS = {"limits_deg": math.radians(1.0), "limits_rad": 1.0, "limits_m": 1.0}
 _SLIDES = ("slide_limits_m",)
 _KEYS = {"point": "point_m", "pitch": "pitch_m", "slide_limits": "slide_limits_m"}
@@ -46,6 +46,8 @@ def read(path: Path, mockup: Mockup | None = None) -> Drawn:
     """
     data = toml_of(path, "write one with Mechanism.save, or feeler move --write-mechanism")
     lines = _Lines(path, text_of(path))
+    check_version(data, lines.of(_VERSION) if _VERSION in data else str(path))
+    data.pop(_VERSION, None)
     ignore = _ignored(data.pop(_IGNORE, []), lines, mockup)
     for key in data:
         if key not in _TABLES:
@@ -107,9 +109,8 @@ def _check(table: dict[str, Any], known: Sequence[str], needed: Sequence[str], l
     for key in table:
         if key not in known:
             hint = f"known are {', '.join(known)}"
-            hint = {"limits": "say limits_deg, limits_rad or limits_m", _IGNORE: "it stands before all tables"}.get(
-                key, hint
-            )
+            before = dict.fromkeys((_IGNORE, _VERSION), "it stands before all tables")
+            hint = {"limits": "say limits_deg, limits_rad or limits_m", **before}.get(key, hint)
             raise LoadError(f"{lines.of(key)}: {key!r} is unknown here: {hint}")
     for key in needed:
         if key not in table:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 from feeler.arguments import check_number, check_path, check_text, shown
 from feeler.atomic import atomic_file
 from feeler.errors import LoadError, OptionError
-from feeler.io.toml import parsed_toml, toml_of
+from feeler.io.toml import check_version, parsed_toml, toml_of
 
 LEAST_STROKE = 1e-4
 """A last stroke that is less than this share of one is rounding, and left out."""
@@ -132,7 +132,8 @@ class Times:
 
     @classmethod
     def _of(cls, data: Mapping[str, Any], file: str) -> Times:
-        unknown = sorted(data.keys() - {"elements", "pitches_mm", "typed"})
+        check_version(data, file)
+        unknown = sorted(data.keys() - {"version", "elements", "pitches_mm", "typed"})
         if unknown:
             raise LoadError(f"{file}: [{unknown[0]}] is unknown: the tables are elements, pitches_mm and typed")
         try:

@@ -9,7 +9,14 @@ from typing import Any
 
 from feeler.parts import PartsLike
 from feeler.poses import PoseLike
-from feeler.workbench.document.arguments import VectorLike, plain_parts, plain_pose
+from feeler.workbench.document.arguments import (
+    IndicesLike,
+    VectorLike,
+    VectorsLike,
+    plain_numbers,
+    plain_parts,
+    plain_pose,
+)
 from feeler.workbench.document.protocol import (
     Camera,
     CardQuestion,
@@ -23,7 +30,6 @@ from feeler.workbench.document.protocol import (
     RequirementResult,
     TaskEditKind,
     Unit,
-    Vec3,
 )
 from feeler.workbench.session.session import Session
 
@@ -79,11 +85,11 @@ class ViewCommands:
 
     def section_add(self, normal: VectorLike, offset: float) -> CommandAnswer:
         """Adds a section plane; `offset` is its distance from the origin along `normal`, metres."""
-        return self.command("section_add", normal=normal, offset=offset)
+        return self.command("section_add", normal=plain_numbers(normal), offset=offset)
 
     def section_move(self, id: int, normal: VectorLike, offset: float) -> CommandAnswer:
         """Moves a section plane."""
-        return self.command("section_move", id=id, normal=normal, offset=offset)
+        return self.command("section_move", id=id, normal=plain_numbers(normal), offset=offset)
 
     def section_switch(self, id: int, is_on: bool) -> CommandAnswer:
         """Switches a section plane on or off."""
@@ -95,7 +101,7 @@ class ViewCommands:
 
     def section_box(self, lower: VectorLike, upper: VectorLike) -> CommandAnswer:
         """Cuts everything outside a box along the world axes away; replaces the box that was there. Metres."""
-        return self.command("section_box", lower=lower, upper=upper)
+        return self.command("section_box", lower=plain_numbers(lower), upper=plain_numbers(upper))
 
     def section_box_switch(self, is_on: bool) -> CommandAnswer:
         """Switches the section box on or off."""
@@ -140,9 +146,9 @@ class ViewCommands:
     def measure_add(
         self,
         type: MeasureType,
-        points: list[Vec3] | None = None,
+        points: VectorsLike | None = None,
         parts: PartsLike | None = None,
-        triangles: list[int] | None = None,
+        triangles: IndicesLike | None = None,
         name: str | None = None,
     ) -> CommandAnswer:
         """Adds a measure.
@@ -152,21 +158,32 @@ class ViewCommands:
         the least distance of two `parts`. Points are world, metres; angles are kept in radians.
         """
         return self._command(
-            "measure_add", type=type, points=points, parts=plain_parts(parts), triangles=triangles, name=name
+            "measure_add",
+            type=type,
+            points=plain_numbers(points),
+            parts=plain_parts(parts),
+            triangles=plain_numbers(triangles),
+            name=name,
         )
 
     def measure_edit(
         self,
         id: int,
         type: MeasureType | None = None,
-        points: list[Vec3] | None = None,
+        points: VectorsLike | None = None,
         parts: PartsLike | None = None,
-        triangles: list[int] | None = None,
+        triangles: IndicesLike | None = None,
         name: str | None = None,
     ) -> CommandAnswer:
         """Renames the measure `id`, or measures something else, as `measure_add` does."""
         return self._command(
-            "measure_edit", id=id, type=type, points=points, parts=plain_parts(parts), triangles=triangles, name=name
+            "measure_edit",
+            id=id,
+            type=type,
+            points=plain_numbers(points),
+            parts=plain_parts(parts),
+            triangles=plain_numbers(triangles),
+            name=name,
         )
 
     def measure_remove(self, id: int) -> CommandAnswer:
@@ -224,7 +241,7 @@ class ViewCommands:
     def finding_mark(
         self,
         version: str,
-        rows: list[int],
+        rows: IndicesLike,
         status: FindingStatus | None = None,
         note: str | None = None,
         group: int | None = None,
@@ -233,15 +250,17 @@ class ViewCommands:
 
         `version`: that of the findings that are open; the command fails for another. `rows`: indices into their rows.
         """
-        return self._command("finding_mark", version=version, rows=rows, status=status, note=note, group=group)
+        return self._command(
+            "finding_mark", version=version, rows=plain_numbers(rows), status=status, note=note, group=group
+        )
 
     def finding_filter(self, is_touching_hidden: bool) -> CommandAnswer:
         """Hides or shows findings that only touch."""
         return self.command("finding_filter", is_touching_hidden=is_touching_hidden)
 
-    def finding_group_add(self, version: str, rows: list[int], name: str) -> CommandAnswer:
+    def finding_group_add(self, version: str, rows: IndicesLike, name: str) -> CommandAnswer:
         """Makes a group by hand, of rows of the findings of a version."""
-        return self.command("finding_group_add", version=version, rows=rows, name=name)
+        return self.command("finding_group_add", version=version, rows=plain_numbers(rows), name=name)
 
     def finding_group_rename(self, id: int, name: str) -> CommandAnswer:
         """Renames a group that was made by hand."""

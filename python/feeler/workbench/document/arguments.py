@@ -35,6 +35,10 @@ class Maybe:
 
 VectorLike: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]] | npt.NDArray[np.integer[Any]]
 """Three numbers."""
+VectorsLike: TypeAlias = Sequence[VectorLike] | npt.NDArray[np.floating[Any]] | npt.NDArray[np.integer[Any]]
+"""Rows of three numbers, `(n, 3)`."""
+IndicesLike: TypeAlias = Sequence[int] | npt.NDArray[np.integer[Any]]
+"""Whole numbers, `(n,)`."""
 
 
 def plain_parts(parts: PartsLike | None) -> object:
@@ -53,6 +57,13 @@ def plain_parts(parts: PartsLike | None) -> object:
     if parts is None or isinstance(parts, (str, int)) or not isinstance(parts, Iterable):
         return parts
     return [plain_parts(each) for each in parts]
+
+
+def plain_numbers(numbers: object) -> object:
+    """Vectors or indices as the page sends them: lists. A value that is neither stays, for the command to refuse."""
+    if isinstance(numbers, (np.ndarray, np.generic)):
+        return numbers.tolist()
+    return [plain_numbers(each) for each in numbers] if isinstance(numbers, (list, tuple)) else numbers
 
 
 def plain_pose(pose: Pose | PoseLike) -> object:
