@@ -149,8 +149,9 @@ def test_no_step_of_a_figure_is_lost_while_the_server_has_not_answered(context: 
             for _ in range(3):
                 figure(page, axis).first.press("ArrowUp")
         page.evaluate("() => window.release()")
-        there = [pose[0, 3] + 3e-3, pose[1, 3] + 3e-3]
-        wait(page, "([x, y]) => Math.abs(window.feeler.pose[3] - x) + Math.abs(window.feeler.pose[7] - y) < 1e-9", there)
+        for at in (3, 7):
+            there = [at, pose.ravel()[at] + 3e-3]
+            wait(page, "([at, there]) => Math.abs(window.feeler.pose[at] - there) < 1e-9", there)
 
 
 def test_what_was_told_of_a_rule_goes_once_it_is_right(context: Any, stand: Path) -> None:
