@@ -74,7 +74,7 @@ class ProjectFacts:
 
     state: "saved", "saving", "failed" or "read only". trouble: why it is not saved. stale: "changed", "moved" or "new"
     by part, for parts that differ from those that the project's answers are about. gone: paths of missing parts.
-    aside: number of removals and measures of missing parts, which only the file still has.
+    aside: number of removals, measures and cards of missing parts, which only the file has until these are back.
     """
 
     name: str
