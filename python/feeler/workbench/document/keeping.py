@@ -488,7 +488,9 @@ def _with_back(
     for row in rows:
         row_value, where = loads(row.value, "aside"), f"row {row.id} of what was set aside"
         kind = row_value.get("kind") if isinstance(row_value, dict) else None
-        if kind not in KINDS or "keys" not in row_value:  # of versions that kept no names of the parts
+        if (
+            not isinstance(kind, str) or kind not in KINDS or "keys" not in row_value
+        ):  # of versions that kept no names of the parts
             continue
         keys = _decoded(row_value["keys"], Mapping[int, str], where)
         now = brought_back(kind, _decoded(row_value.get("thing"), KINDS[kind], where), keys, number)

@@ -181,6 +181,7 @@ class Cards:
             card.edits,
             document.task_times.toml,
             document.task_catalogue.toml,
+            unit=document.unit,
         )
         if card.question == "access":
             return reach(asked, progress)

@@ -8,12 +8,13 @@ import numpy as np
 
 from feeler.io.csv_table import Cell, csv_table
 from feeler.io.export import animated_glb
-from feeler.io.film import Leg, motions_of, way_length, with_neighbours
+from feeler.io.film import Leg, motions_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench.document import motion
 from feeler.workbench.document.document import UNITS, Document, Removal, is_stale
+from feeler.workbench.document.line_lengths import line_length
 
 
 def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
@@ -78,7 +79,7 @@ def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> li
         number,
         line.name,
         "; ".join(mockup.part_paths[part] for part in line.parts),
-        _rounded(way_length([motion.matrix(each) for each in line.way]) / per_unit),
+        _rounded(line_length(line, mockup.part_bounds) / per_unit),
         None if line.least_clearance is None else _rounded(line.least_clearance / per_unit),
         "; ".join(line.touched),
         line.tool or "",
