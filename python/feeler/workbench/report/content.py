@@ -29,7 +29,7 @@ from feeler.workbench.document.document import (
 )
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
 from feeler.workbench.document.joints import JointStep, figure
-from feeler.workbench.document.line_lengths import line_length
+from feeler.workbench.document.line_facts import least_clearance, line_length, newest_check
 from feeler.workbench.report import values
 from feeler.workbench.report.source import Source
 
@@ -424,7 +424,7 @@ class _Writer:
             legs=(),
             length=way_length(poses) if mockup is None else line_length(line, mockup.part_bounds),
             rotation=None if step is None or step.kind == "slide" else abs(step.end - step.begin),
-            clearance=_finite(line.least_clearance),
+            clearance=_finite(least_clearance(self._document, line)),
             touched=tuple(map(cut, line.touched[:MOST_ROWS])),
             tool=cut(line.tool or ""),
             stale=self.since(line.stale, line.parts) or (_EARLIER if line.stale else ""),
@@ -434,10 +434,8 @@ class _Writer:
 
     def _checked(self, line: Removal) -> str:
         """What the newest check of its way says, if the way is still that one."""
-        document = self._document
-        cards = [card for card in document.cards if card.line == line.id and card.question == "way"]
-        said = [card.sentence for card in cards if card.state == "done" and not is_stale(document, card)]
-        return cut(said[-1], LONGEST_TEXT) if said else ""
+        check = newest_check(self._document, line)
+        return "" if check is None else cut(check.sentence, LONGEST_TEXT)
 
     def _names(self, parts: Sequence[int]) -> str:
         names = [name_of(self.path(part)) for part in parts[:3]]

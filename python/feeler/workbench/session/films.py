@@ -12,7 +12,7 @@ from feeler.words import length_in
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import FilmWay, Gap
 from feeler.workbench.document.document import Document, Removal
-from feeler.workbench.document.line_lengths import line_steps
+from feeler.workbench.document.line_facts import least_clearance, line_steps
 from feeler.workbench.document.motion import Floats, Row
 from feeler.workbench.engine.gaps import Gaps, gap_json
 from feeler.workbench.engine.parts import PartTools
@@ -39,7 +39,7 @@ def ways(document: Document, scene: Scene, meshes: PartTools, progress: Progress
         out -= {*line.parts}
         there = {part: at for part, at in moved.items() if part not in line.parts and part not in out}
         around = World(scene, meshes, there, {*line.parts, *document.gripped, *out})
-        found.append(_way(line, motions, starts, around, meshes, (scene.mockup.part_bounds, document.unit)))
+        found.append(_way(document, line, motions, around, meshes, scene.mockup.part_bounds))
         for part in line.parts:
             moved[part] = motion.row(motions[-1] @ motion.matrix(starts.get(part, motion.HOME)))
         out |= {part for part in line.parts if part in document.out}
@@ -51,15 +51,9 @@ def _starts(line: Removal) -> dict[int, Row]:
 
 
 def _way(
-    line: Removal,
-    motions: Floats,
-    starts: dict[int, Row],
-    around: World,
-    meshes: PartTools,
-    how: tuple[Floats, str],
+    document: Document, line: Removal, motions: Floats, around: World, meshes: PartTools, bounds: Floats
 ) -> FilmWay:
-    """how: the bounds of all parts, and the unit of lengths in words."""
-    bounds, unit = how
+    starts = _starts(line)
     items: dict[str, Tool | tuple[Tool, Floats]] = {
         str(part): (meshes.of(part)[0], motion.matrix(starts.get(part, motion.HOME))) for part in line.parts
     }
@@ -74,8 +68,8 @@ def _way(
         "parts": list(line.parts),
         "poses": [list(motion.row(pose)) for pose in motions],
         "starts": {str(part): list(row) for part, row in starts.items()},
-        "clearance": line.least_clearance,
-        "legs": [f"{length_in(travel, unit)} by hand"],
+        "clearance": least_clearance(document, line),
+        "legs": [f"{length_in(travel, document.unit)} by hand"],
         "length": travel,
         "rotation": sum(turns),
         "gaps": gaps,

@@ -27,7 +27,7 @@ from feeler.workbench.document.answers import BlockerFacts, Gap, WayFacts
 from feeler.workbench.document.document import Card, Document, Removal, line_out, line_places
 from feeler.workbench.document.joints import figure
 from feeler.workbench.document.known import Way
-from feeler.workbench.document.line_lengths import line_steps
+from feeler.workbench.document.line_facts import line_steps
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.geometry import scene_bounds
 from feeler.workbench.engine.hand import Hands
