@@ -212,7 +212,12 @@ def test_the_catalogue_says_which_tool_reaches_each_bolt(context: Any, tmp_path:
         text = rows.filter(has_text="bolt_free").inner_text()
         assert "hexagon 17 mm: socket 17 (10) + ratchet (10) swings 272°, 2 strokes a turn" in text
         assert "limited by: wall" in rows.filter(has_text="bolt_caught").inner_text()
+        # From near the bolt, the camera goes back until the swing is in the picture.
+        select(page, "bolt_free", "bolt_free")
+        page.keyboard.press("f")
+        near = far(page)
         rows.filter(has_text="bolt_free").get_by_role("button").click()
+        assert far(page) > 2 * near
         assert page.evaluate("() => window.feeler.document.tool") is None, "the hand stays as it is"
         settled(page)
         ended = time.monotonic() + 60.0

@@ -347,6 +347,12 @@ def test_the_first_start_and_a_file_that_is_dropped(context: Any, tmp_path: Path
         card.get_by_role("button", name="Does the starter come out?").click()
         page.locator(".properties").get_by_text("6 parts").wait_for()
         card.get_by_role("button", name="Which tool undoes this bolt?").click()
+        # The bolt on its cover; F has it alone.
+        distance = "() => Math.hypot(...[0, 1, 2].map(k => feeler.camera.position[k] - feeler.camera.target[k]))"
+        around = page.evaluate(distance)
+        page.locator("#picture").focus()
+        page.keyboard.press("f")
+        assert around > 2 * page.evaluate(distance)
         page.locator(".properties").get_by_text("bolt_1").first.wait_for()
         # A file of the wrong unit is opened, is told, and is corrected.
         drop(page, "big block.stl", block(743_000.0))
