@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from browser import differing, document, keep, move, opened, picture, program, settled, troubles, wait
-from test_workbench_cards import bolts
+from test_workbench_cards import bolts, chest
 
 from feeler.io import write_glb
 
@@ -63,6 +63,55 @@ def test_a_part_is_asked_for_watched_taken_out_and_put_back(context: Any, stand:
         panel.get_by_role("button", name="Remove: Can pump come out?").click()
         wait(page, "() => window.feeler.document.cards.length === 0")
         settled(page)
+        assert troubles(page) == []
+
+
+def test_a_line_says_what_its_newest_check_found(context: Any, stand: Path) -> None:
+    with program(stand) as started:
+        page = opened(context, started)
+        panel = page.locator("#panel")
+        select(page, "pump", "pump")
+        page.keyboard.press("q")
+        wait(page, DONE)
+        panel.locator(".gap-curve").wait_for()
+        panel.get_by_role("button", name="Take it into the sequence").click()
+        wait(page, "() => window.feeler.document.sequence.length === 1")
+        facts = panel.get_by_role("list", name="Removals").locator("> li > p.note").first
+        assert "1 mm least clearance" in facts.inner_text()
+        page.locator("#picture").focus()
+        page.keyboard.press("Control+z")
+        wait(page, "() => window.feeler.document.sequence.length === 0")
+        # By hand, through a post.
+        for _ in range(2):
+            page.keyboard.press("Space")
+        wait(page, "() => window.feeler.document.mode === 'pass'")
+        select(page, "pump", "pump")
+        page.keyboard.press("e")
+        wait(page, "() => window.feeler.document.gripped.length === 1")
+        x, y, z = (page.evaluate("() => window.feeler.pose")[k] for k in (3, 7, 11))
+        move(page, x + 0.5, y, z)
+        page.keyboard.press("e")
+        wait(page, "() => window.feeler.document.sequence.length === 1")
+        page.keyboard.press("Alt+5")
+        assert "does not hold" not in facts.inner_text()
+        panel.get_by_role("button", name="Check this way").click()
+        panel.get_by_text("The way meets right").wait_for()
+        assert "does not hold" in facts.inner_text() and "least clearance" not in facts.inner_text()
+        assert troubles(page) == []
+
+
+def test_steps_without_gaps_have_no_curve(context: Any, tmp_path: Path) -> None:
+    write_glb(tmp_path / "chest.glb", chest())
+    with program(tmp_path / "chest.glb") as started:
+        page = opened(context, started)
+        select(page, "block", "block")
+        page.keyboard.press("Shift+Q")
+        wait(page, DONE)
+        panel = page.locator("#panel")
+        panel.get_by_role("slider").wait_for()
+        assert panel.get_by_role("list", name="Entries of all steps").get_by_role("listitem").count() == 2
+        assert panel.locator("svg[role=img], .gap-curve").count() == 0
+        keep(page.screenshot(), "order.png")
         assert troubles(page) == []
 
 
@@ -163,7 +212,12 @@ def test_the_catalogue_says_which_tool_reaches_each_bolt(context: Any, tmp_path:
         text = rows.filter(has_text="bolt_free").inner_text()
         assert "hexagon 17 mm: socket 17 (10) + ratchet (10) swings 272°, 2 strokes a turn" in text
         assert "limited by: wall" in rows.filter(has_text="bolt_caught").inner_text()
+        # From near the bolt, the camera goes back until the swing is in the picture.
+        select(page, "bolt_free", "bolt_free")
+        page.keyboard.press("f")
+        near = far(page)
         rows.filter(has_text="bolt_free").get_by_role("button").click()
+        assert far(page) > 2 * near
         assert page.evaluate("() => window.feeler.document.tool") is None, "the hand stays as it is"
         settled(page)
         ended = time.monotonic() + 60.0

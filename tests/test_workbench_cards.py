@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import time
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, Bench, at, corners, cube
 
 import feeler
 from feeler.errors import FeelerError, WorkbenchError
+from feeler.words import length_in
 from feeler.workbench.document.cards import MOST_CARDS
 from feeler.workbench.document.document import Card
 from feeler.workbench.session import answering
@@ -109,6 +111,24 @@ def test_a_way_out_is_told_shown_and_true() -> None:
         assert gap["gap"] is None or gap["gap"] >= way["clearance"] * 0.999
     assert way["gaps"][0]["gap"] == pytest.approx(1e-3) and way["gaps"][0]["part"] == WALLS
     assert way["gaps"][0]["point"][1] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(("unit", "long"), [("mm", "248 mm"), ("in", "9.7638 in"), ("m", "0.248 m")])
+def test_lengths_in_words_are_those_of_the_page(unit: str, long: str) -> None:
+    """In the unit of the document, with the same digits: in the sentence, in the legs and beside them."""
+    bench = Bench(mockup=chest())
+    bench.command("set_unit", unit=unit)
+    for question in ("removal", "swept", "order"):
+        card, answer = asked(bench, question, parts=LID)
+        (way,) = answer["ways"]
+        straight = length_in(way["length"], unit)
+        assert way["legs"] == [f"move {straight} along {way['legs'][0].rpartition(' ')[2]}"]
+        assert straight in card.sentence or question != "removal"
+        figures = [card.sentence, *(each["figure"] for each in answer["facts"])]
+        for said in re.findall(r"[0-9.]+ (mm|cm|m|in)\b", " ".join(figures)):
+            assert said == unit
+    assert length_in(0.248, unit) == long
+    assert [length_in(each, "mm") for each in (0.0, 3.14e-6, 5e-6, -0.0)] == ["0 mm", "0.0031 mm", "0.01 mm", "0 mm"]
 
 
 def test_what_holds_a_part_is_named_and_can_be_left_out() -> None:

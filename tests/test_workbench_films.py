@@ -7,9 +7,12 @@ import io
 
 import numpy as np
 import pytest
-from workbench_scene import LEFT, PEG, RIGHT, Bench, at
+from test_workbench_cards import answered
+from workbench_scene import LEFT, PEG, RIGHT, Bench, at, cube
 
 from feeler.workbench.document import motion
+from feeler.workbench.report.content import report_of
+from feeler.workbench.report.source import of_document
 
 
 def taken(bench: Bench, part: int, *steps: tuple[float, float, float]) -> None:
@@ -40,6 +43,31 @@ def test_lines_are_ways_from_where_they_began_to_where_the_parts_lie() -> None:
     assert all(gap["part"] != 0 for gap in rest)
     # Then it lies above the plate, farther than gaps are looked for.
     assert all(gap["gap"] is None for gap in ways[2]["gaps"])
+    bench.session.close()
+
+
+def test_a_way_has_one_length_and_turn_wherever_it_is_told() -> None:
+    """That of the middle of its parts, with a tool in the hand too: of film, check, table and report."""
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.75), mode="pass")
+    bench.command("grip", parts=[PEG])
+    bench.wish(at(0.0, 0.3, 1.0, 0.5) @ bench.pose)
+    bench.wish(at(0.1, 0.3, 1.0) @ bench.pose)
+    bench.command("release")
+    (line,) = bench.document["sequence"]
+    (film,) = bench.session.job("film", {}).result(60)["ways"]
+    card = bench.command("way_check", id=line["id"])["id"]
+    assert answered(bench, card).state == "done"
+    (checked,) = bench.session.ask("card", {"id": card})["ways"]
+    middle = np.array([0.0, 0.28125, 0.0625, 1.0])
+    places = np.array(film["poses"]).reshape(-1, 4, 4) @ middle
+    long = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
+    assert film["length"] == pytest.approx(long, abs=1e-9) == checked["length"]
+    assert film["rotation"] == pytest.approx(0.5, abs=1e-9) == checked["rotation"]
+    bench.session.job("export_csv", {}).result(60)
+    (row,) = csv.DictReader(io.StringIO(bench.session.export("sequence.csv").decode("utf-8-sig")))
+    assert float(row["way (mm)"]) == pytest.approx(1e3 * long, rel=1e-3)
+    (step,) = report_of(of_document(bench.session.current, bench.mockup, {})).steps
+    assert step.length == pytest.approx(long, abs=1e-9)
     bench.session.close()
 
 

@@ -126,6 +126,41 @@ def test_at_twice_the_size_everything_is_reached(browser: Any, stand: Path, cube
         assert troubles(page) == []
 
 
+SIZES = [(999, 700), (700, 900), (640, 360), (390, 844)]
+COVER = """point => {
+    const { left, top } = document.getElementById("picture").getBoundingClientRect();
+    const [x, y] = window.feeler.pixel(point);
+    const hit = document.elementFromPoint(left + x, top + y);
+    return hit?.closest("main.picture") ? null : hit?.outerHTML ?? "outside";
+}"""
+
+
+def test_a_finding_is_seen_beside_its_panel_in_a_narrow_window(context: Any, stand: Path) -> None:
+    """At 200 % zoom and on a phone, too."""
+    with program(stand) as started:
+        page = opened(context, started)
+        page.keyboard.press("Alt+6")
+        page.get_by_role("button", name="Check clashes").click()
+        page.locator(".finding", has_text="left is 1 mm from pump").wait_for()
+        for notice in page.locator(".notice").all():
+            notice.get_by_role("button").click()
+        for width, height in SIZES:
+            page.set_viewport_size({"width": width, "height": height})
+            wait(page, "() => document.querySelector('.page').classList.contains('narrow')")
+            page.locator("#picture").focus()
+            page.keyboard.press("Alt+6")
+            page.locator(".drawer .finding", has_text="left is 1 mm from pump").click()
+            settled(page)
+            # Both parts touch the gap there; and most of the pump is in sight.
+            for point in ((-0.0795, 0.0, 0.03), (-0.0795, 0.0, 0.07), (-0.05, 0.0, 0.081)):
+                assert page.evaluate(COVER, point) is None, (width, height, point)
+            keep(page.screenshot(), f"finding_{width}.png")
+            assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+            # The look ends, and the drawer.
+            while page.locator(".drawer").count() > 0:
+                page.keyboard.press("Escape")
+
+
 @pytest.fixture
 def phone(browser: Any) -> Iterator[Any]:
     made = browser.new_context(
@@ -312,6 +347,12 @@ def test_the_first_start_and_a_file_that_is_dropped(context: Any, tmp_path: Path
         card.get_by_role("button", name="Does the starter come out?").click()
         page.locator(".properties").get_by_text("6 parts").wait_for()
         card.get_by_role("button", name="Which tool undoes this bolt?").click()
+        # The bolt on its cover; F has it alone.
+        distance = "() => Math.hypot(...[0, 1, 2].map(k => feeler.camera.position[k] - feeler.camera.target[k]))"
+        around = page.evaluate(distance)
+        page.locator("#picture").focus()
+        page.keyboard.press("f")
+        assert around > 2 * page.evaluate(distance)
         page.locator(".properties").get_by_text("bolt_1").first.wait_for()
         # A file of the wrong unit is opened, is told, and is corrected.
         drop(page, "big block.stl", block(743_000.0))

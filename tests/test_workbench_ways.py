@@ -15,6 +15,8 @@ from workbench_scene import FACES, Bench, at, corners, cube
 import feeler
 from feeler.errors import WorkbenchError
 from feeler.workbench.document.document import Card
+from feeler.workbench.report.content import report_of
+from feeler.workbench.report.source import of_document
 from feeler.workbench.session.record import read_record
 from feeler.workbench.session.replaying import replay
 
@@ -55,6 +57,34 @@ def test_what_the_hand_did_holds_and_with_which_clearance() -> None:
         bench.command("way_take", id=card.id)
     with pytest.raises(WorkbenchError, match="has no shorter way"):
         bench.command("way_keep", id=card.id)
+
+
+def test_a_line_has_the_clearance_of_its_newest_check() -> None:
+    bench = Bench(mockup=chest())
+    line = taken_out(bench, LID, (0.0, -0.05, 0.0), (0.0, 0.0, 0.3))
+    by_hand = bench.document["sequence"][0]["least_clearance"]
+
+    def told_of_it() -> list[float | None]:
+        bench.session.job("export_csv", {}).result(60)
+        rows = csv.DictReader(io.StringIO(bench.session.export("sequence.csv").decode("utf-8-sig")))
+        least = next(row["least clearance (mm)"] for row in rows if row["name"] == "lid")
+        film = next(way for way in bench.session.job("film", {}).result(60)["ways"] if way["id"] == line)
+        report = report_of(of_document(bench.session.current, bench.mockup, {})).steps
+        step = next(each for each in report if each.key == f"step-{line}")
+        return [float(least) / 1e3 if least else None, film["clearance"], step.clearance]
+
+    assert told_of_it() == pytest.approx([by_hand] * 3, rel=1e-3)
+    card, answer = told(bench, "way_check", line)
+    assert card.clearances == (answer["ways"][0]["clearance"],)
+    assert bench.document["cards"][0]["clearances"] == [pytest.approx(1e-3, rel=0.05)]
+    # With the walls out before it, the lid is near nothing: the check is of before, then the new one counts.
+    bench.command("set_mode", mode="pass")
+    taken_out(bench, WALLS, (0.0, 0.0, 2.0))
+    bench.command("sequence_move", id=line, index=1)
+    assert told_of_it() == pytest.approx([by_hand] * 3, rel=1e-3)
+    card, _ = told(bench, "way_check", line)
+    assert card.is_good and card.clearances[0] != pytest.approx(1e-3, rel=0.05)
+    assert told_of_it() == pytest.approx([card.clearances[0]] * 3, rel=1e-3, nan_ok=True)
 
 
 def test_a_way_through_something_is_refused_where_it_is() -> None:

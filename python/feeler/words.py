@@ -19,6 +19,20 @@ def length(metres: float) -> str:
     return f"{metres:.4g} m"
 
 
+_DECIMALS = {"mm": (1e-3, 2), "cm": (1e-2, 3), "m": (1.0, 5), "in": (0.0254, 4)}
+"""Metres of each unit of the workbench, and the digits after the point that show a hundredth of a millimetre in it."""
+
+
+def length_in(metres: float, unit: str) -> str:
+    """A length in a unit of the workbench, with the digits that its page shows; a smaller one with two that count."""
+    if not math.isfinite(metres):
+        return "an unknown length"
+    per_unit, decimals = _DECIMALS[unit]
+    value = metres / per_unit + 0.0  # no length reads "-0"
+    shown = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
+    return f"{shown if float(shown) or not value else f'{value:.2g}'} {unit}"
+
+
 def volume(cubic_metres: float) -> str:
     """A volume with a suitable unit."""
     if not math.isfinite(cubic_metres):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -41,17 +41,7 @@ class RemovalLeg(OldAttributes):
     """Unit, world: the direction of the motion; for a screw its axis, right-handed; zero without a translation."""
 
     def __str__(self) -> str:
-        along = _named(self.direction)
-        if self.screw is not None and self.screw.pitch:
-            turns = self.rotation / (2.0 * math.pi)
-            return f"screw {turns:.3g} turns about {along}, {_length(abs(self.screw.advance))} along it"
-        if self.screw is not None:
-            return f"turn {math.degrees(self.rotation):.3g} degrees about {along}"
-        if self.rotation <= STRAIGHT_RAD:
-            return f"move {_length(self.path_length)} along {along}"
-        if self.path_length <= STILL_M:
-            return f"turn {math.degrees(self.rotation):.3g} degrees in place"
-        return f"move {_length(self.path_length)} and turn {math.degrees(self.rotation):.3g} degrees"
+        return leg_words(self, _length)
 
     def to_dict(self) -> dict[str, object]:
         """`{"screw": {...}}` or `{"to": pose}`, as `feeler remove --json` writes a leg and `feeler path` reads it."""
@@ -66,6 +56,21 @@ class RemovalLeg(OldAttributes):
                 "pitch": screw.pitch,
             }
         }
+
+
+def leg_words(leg: RemovalLeg, length: Callable[[float], str]) -> str:
+    """A leg in words. length: of metres, in words."""
+    along = _named(leg.direction)
+    if leg.screw is not None and leg.screw.pitch:
+        turns = leg.rotation / (2.0 * math.pi)
+        return f"screw {turns:.3g} turns about {along}, {length(abs(leg.screw.advance))} along it"
+    if leg.screw is not None:
+        return f"turn {math.degrees(leg.rotation):.3g} degrees about {along}"
+    if leg.rotation <= STRAIGHT_RAD:
+        return f"move {length(leg.path_length)} along {along}"
+    if leg.path_length <= STILL_M:
+        return f"turn {math.degrees(leg.rotation):.3g} degrees in place"
+    return f"move {length(leg.path_length)} and turn {math.degrees(leg.rotation):.3g} degrees"
 
 
 def legs_of(

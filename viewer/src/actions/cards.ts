@@ -190,7 +190,7 @@ export function showPart(wb: Workbench, part: number): void {
   wb.fit([part]);
 }
 
-/** Puts the tool into its seat on a fastener that it reaches, and looks at it. One of the catalogue is drawn there. */
+/** Puts the tool into its seat on a fastener that it reaches, and looks at its swing. One of the catalogue is drawn there. */
 export async function seatTool(wb: Workbench, reach: Reach): Promise<void> {
   const { store } = wb;
   store.reach.value = reach;
@@ -200,7 +200,13 @@ export async function seatTool(wb: Workbench, reach: Reach): Promise<void> {
     if (held !== reach.tool) await wb.run("take_tool", { name: reach.tool });
     await wb.run("seat", { pose: [...reach.pose] });
   }
-  wb.look((camera) => camera.translate(subtract(reach.point, camera.target)));
+  if (reach.fan.length === 0) {
+    wb.look((camera) => camera.translate(subtract(reach.point, camera.target)));
+    return;
+  }
+  const box = wb.boxOf(reach.part === null ? [] : [reach.part]);
+  for (const point of [reach.point, ...reach.fan]) include(box, point);
+  wb.look((camera) => camera.fit(box));
 }
 
 /** Corners of the boxes of parts at home: how far they travel. */

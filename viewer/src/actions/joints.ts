@@ -43,6 +43,7 @@ export class JointMover {
   private isAsking = false;
   private isSettling = false;
   private timer: number | null = null;
+  private readonly resting: (() => void)[] = [];
 
   constructor(
     private readonly link: MoverLink,
@@ -64,6 +65,19 @@ export class JointMover {
   /** Where a joint is to go, while it moves; null: it stands. */
   wantedOf(name: string): number | null {
     return this.name === name ? this.aim : (this.owed.find((each) => each.name === name)?.value ?? null);
+  }
+
+  /** Ends once no joint moves any more, and each is put down. */
+  rest(): Promise<void> {
+    return new Promise((resolve) => {
+      this.resting.push(resolve);
+      this.tellRest();
+    });
+  }
+
+  private tellRest(): void {
+    if (this.isAsking || this.name !== null || this.owed.length > 0) return;
+    for (const resolve of this.resting.splice(0)) resolve();
   }
 
   private owe(): void {
@@ -91,6 +105,7 @@ export class JointMover {
     this.name = this.wanted = this.placed = null;
     this.isSettling = false;
     void this.link.to(name, null).then(this.told, (error) => this.link.fail(error));
+    this.tellRest();
     return true;
   }
 
@@ -128,6 +143,7 @@ export class JointMover {
     }
     if (this.owed.length > 0 || this.wanted !== null || (this.isSettling && this.name !== null && this.placed !== null))
       void this.ask();
+    else this.tellRest();
   }
 
   private async putOwed(): Promise<void> {
@@ -190,11 +206,12 @@ export function draggableBy(wb: Workbench, part: number): JointNumber | null {
   return numberOf(document.mechanism, part);
 }
 
-/** Puts a joint to a value that was typed. */
-export function typeJoint(wb: Workbench, name: string, value: number): void {
+/** Puts a joint to a value that was typed; ends once it stands. */
+export function typeJoint(wb: Workbench, name: string, value: number): Promise<void> {
   const mover = moverOf(wb);
   mover.to(name, value);
   mover.settle();
+  return mover.rest();
 }
 
 /** Shows the worst position of a joint, see-through; a second call ends that. */

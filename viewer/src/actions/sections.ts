@@ -130,6 +130,12 @@ export async function settleBox(wb: Workbench): Promise<void> {
   if (wb.store.box_draft.peek() === draft) wb.store.box_draft.value = null;
 }
 
+/** Puts a face of the box to a place that was typed; the other faces stay where earlier changes have them. */
+export const setFace = (wb: Workbench, face: BoxFace, place: number): Promise<boolean> =>
+  wb.runOf(({ section_box: box }) =>
+    box ? [["section_box", withFace({ lower: [...box.lower], upper: [...box.upper] }, face, place)]] : [],
+  );
+
 /** Restores the cuts that a viewpoint was saved with, if they are others now. */
 export function showCutsOf(wb: Workbench, viewpoint: Viewpoint): void {
   const { document } = wb;

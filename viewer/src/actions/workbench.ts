@@ -97,6 +97,11 @@ export class Workbench {
     return this.told(this.turns.take(work, true));
   }
 
+  /** Ends once the hand rests and all requests up to now are in the document. */
+  rest(): Promise<boolean> {
+    return this.runOf(() => []);
+  }
+
   /** The tool is put down at `pose`: before all that waits for it. */
   place(pose: Pose): Promise<boolean> {
     return this.told(this.turns.first(() => this.sendNow(["place", { pose }])));

@@ -899,6 +899,8 @@ export interface Card {
   readonly is_earlier: boolean;
   /** Of a task: what the user changed. */
   readonly edits: TaskEdits;
+  /** Of a line: the least one of each way of the answer, metres; null where nothing is near. */
+  readonly clearances: readonly (number | null)[];
 }
 
 /** A way of parts: poses of their motion in the world, the first the identity. */

@@ -32,7 +32,7 @@ export const knownPanel = (name: string): Panel => PANELS.find((panel) => panel 
 /** The cover of the page. */
 export type Dialog = "palette" | "help" | "settings" | "people" | "open" | "doubts" | null;
 
-/** In a narrow window, what lies over the picture. */
+/** In a narrow window, which of them is open. */
 export type Drawer = "tree" | "panels" | null;
 
 export interface ContextMenu {

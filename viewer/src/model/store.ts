@@ -173,7 +173,7 @@ export class Store {
   readonly is_system_dark = signal(true);
   /** The system asks for reduced motion. */
   readonly is_motion_reduced = signal(false);
-  /** The window is too narrow for tree and panels beside the picture: they are drawers over it. */
+  /** The window is too narrow for tree and panels at once: they are drawers. */
   readonly is_narrow = signal(false);
   /** It is worked by fingers: targets are larger. */
   readonly is_coarse = signal(false);

@@ -46,7 +46,9 @@ export interface PictureElements {
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
   const { dialog, is_narrow, is_tree_shown, are_panels_shown } = workbench.store;
   const [hasTree, hasPanels] = [is_tree_shown.value, are_panels_shown.value];
-  const sides = is_narrow.value ? "narrow" : `${hasTree ? "" : "no-tree"} ${hasPanels ? "" : "no-panels"}`;
+  const sides = is_narrow.value
+    ? `narrow ${hasPanels ? "with-panels" : ""}`
+    : `${hasTree ? "" : "no-tree"} ${hasPanels ? "" : "no-panels"}`;
   return (
     <WorkbenchContext.Provider value={workbench}>
       <div class={`page ${sides}`}>

@@ -1,4 +1,5 @@
-// In a narrow window tree and panels are drawers: over the picture, one at a time. The focus goes in and comes back.
+// In a narrow window tree and panels are drawers, one at a time: the tree over the picture, panels beside it where there
+// is room. The focus goes in and comes back.
 
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
@@ -14,7 +15,7 @@ interface SideProps {
   children: ComponentChildren;
 }
 
-/** Tree or panels: beside the picture, or in a drawer over it. */
+/** Tree or panels, or their drawer. */
 export function Side(props: SideProps) {
   const { store } = useWorkbench();
   return store.is_narrow.value ? <Drawer {...props} /> : props.children;

@@ -94,17 +94,23 @@ interface FigureProps {
   /** The least and the greatest length of a setting, metres; a setting is shown with all the digits that are kept. */
   range?: readonly [least: number, greatest: number];
   disabled?: boolean;
-  change: (value: number) => void;
+  /** Ends once `value` has the change, or it was refused. */
+  change: (value: number) => Promise<unknown>;
 }
 
-/** A length or an angle: typed with or without its unit, stepped by arrow keys. What is wrong stays, to be mended. */
-export function Figure({ label, value, kind, unit, step, range, disabled, change }: FigureProps) {
+/**
+ * A length or an angle: typed with or without its unit, stepped by arrow keys. What is wrong stays, to be mended. A
+ * change is shown at once, and the next step counts from it, however late `value` follows.
+ */
+export function Figure(props: FigureProps) {
+  const { label, kind, unit, step, range, disabled } = props;
   const [draft, setDraft] = useState<string | null>(null);
+  const [value, change] = useAhead(props.value, props.change);
   const [isTold, setTold] = useState(false);
   const input = useRef<HTMLInputElement>(null);
   const id = useId();
   const [least, greatest] = range ?? [-Infinity, Infinity];
-  const figure = kind === "angle" ? angleFigure(value) : (range ? keptFigure : lengthFigure)(value, unit);
+  const figure = kind === "angle" ? angleFigure(value()) : (range ? keptFigure : lengthFigure)(value(), unit);
   const read = (text: string): number | null => (kind === "length" ? parseLength(text, unit) : parseAngle(text));
   const wrongIn = (text: string): string | null => {
     const typed = read(text);
@@ -114,6 +120,8 @@ export function Figure({ label, value, kind, unit, step, range, disabled, change
     return `Type a length from ${keptFigure(least, unit)} to ${keptFigure(greatest, unit)} ${unit}`;
   };
   const wrong = draft === null ? null : wrongIn(draft);
+  /** What was typed and is not settled yet; null: nothing that can be. */
+  const typed = wrong === null && draft !== null && draft !== figure ? read(draft) : null;
   const trouble = isTold ? wrong : null;
   const reset = (): void => {
     setDraft(null);
@@ -124,16 +132,16 @@ export function Figure({ label, value, kind, unit, step, range, disabled, change
       setTold(true);
       return;
     }
-    const next = wrong === null && draft !== null && draft !== figure ? read(draft) : null;
     reset();
-    if (next !== null) change(next);
+    if (typed !== null) change(typed);
   };
   const onKey = (event: KeyboardEvent): void => {
     const sign = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (sign !== 0) {
       event.preventDefault();
       reset();
-      change(Math.min(greatest, Math.max(least, value + sign * step * (event.shiftKey ? 0.1 : 1))));
+      const from = typed ?? value();
+      change(Math.min(greatest, Math.max(least, from + sign * step * (event.shiftKey ? 0.1 : 1))));
     } else if (event.key === "Enter") {
       settle();
       input.current?.select();
@@ -171,6 +179,29 @@ export function Figure({ label, value, kind, unit, step, range, disabled, change
       )}
     </>
   );
+}
+
+/** A value that is changed elsewhere: what it was changed to last, until that change has ended; and the change of it. */
+function useAhead(
+  value: number,
+  change: (value: number) => Promise<unknown>,
+): readonly [() => number, (value: number) => void] {
+  // Of the newest change alone. Keys can come before the page is drawn with it.
+  const ahead = useRef<{ readonly to: number } | null>(null);
+  const [, draw] = useState<object | null>(null);
+  const follow = (next: { readonly to: number } | null): void => {
+    ahead.current = next;
+    draw(next);
+  };
+  const changed = (to: number): void => {
+    const own = { to };
+    follow(own);
+    const end = (): void => {
+      if (ahead.current === own) follow(null);
+    };
+    change(to).then(end, end);
+  };
+  return [() => ahead.current?.to ?? value, changed];
 }
 
 /** A name that can be changed in place. */

@@ -12,6 +12,8 @@ interface Question {
   readonly ask: readonly string[];
   /** The parts that it is about; empty: all. */
   readonly parts: readonly string[];
+  /** What is around them, which the picture shows as well. */
+  readonly around?: readonly string[];
   /** How to find out by hand. */
   readonly how: string;
 }
@@ -35,6 +37,7 @@ const QUESTIONS: readonly Question[] = [
     text: "Which tool undoes this bolt?",
     ask: ["ask-tools"],
     parts: ["gearbox/covers/main_rear/bolt_1"],
+    around: ["gearbox/covers/main_rear/cover"],
     how: "The bolt is selected. Bring the wrench to it: drag it, or press G, an axis, a length and Enter.",
   },
 ];
@@ -109,8 +112,10 @@ function Answer({ question }: { question: Question }) {
 }
 
 /** Selects the parts of a question and looks at them. */
-function show(wb: Workbench, { parts }: Question): void {
+function show(wb: Workbench, { parts, around = [] }: Question): void {
   const paths = wb.store.paths.peek();
-  wb.select(parts.map((path) => paths.indexOf(path)).filter((part) => part >= 0));
-  if (parts.length > 0) wb.fit();
+  const numbers = (given: readonly string[]): number[] =>
+    given.map((path) => paths.indexOf(path)).filter((part) => part >= 0);
+  wb.select(numbers(parts));
+  if (parts.length > 0) wb.fit(wb.visible(numbers([...parts, ...around])));
 }

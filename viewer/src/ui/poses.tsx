@@ -27,19 +27,22 @@ export function PosePanel() {
   const isLocked = store.is_read_only.value;
   const at = position(pose);
   const angles = anglesOf(pose);
-  const moveTo = (next: Pose): void => {
+  // The other figures stay what they are wished to be: the tool may be on its way there.
+  const wished = (): Pose => hand.pose ?? pose;
+  const moveTo = (next: Pose): Promise<boolean> => {
     hand.move(next, "keys");
     hand.put();
+    return wb.rest();
   };
-  const setPlace = (axis: 0 | 1 | 2, value: number): void => {
-    const next: Vec3 = [...at];
+  const setPlace = (axis: 0 | 1 | 2, value: number): Promise<boolean> => {
+    const next = position(wished());
     next[axis] = value;
-    moveTo(fromAngles(angles, next));
+    return moveTo(fromAngles(anglesOf(wished()), next));
   };
-  const setAngle = (axis: 0 | 1 | 2, value: number): void => {
-    const next: Vec3 = [...angles];
+  const setAngle = (axis: 0 | 1 | 2, value: number): Promise<boolean> => {
+    const next = anglesOf(wished());
     next[axis] = value;
-    moveTo(fromAngles(next, at));
+    return moveTo(fromAngles(next, position(wished())));
   };
   const nudge = (axis: 0 | 1 | 2, kind: "length" | "angle", sign: 1 | -1): void => {
     const by: Vec3 = [0, 0, 0];

@@ -6,6 +6,9 @@ import { useWorkbench } from "./context";
 /** Names of missing parts that a tooltip lists. */
 const MOST_NAMES = 12;
 
+const ASIDE =
+  "Removals, measures and answers whose parts are not in this revision: they come back with a revision that has these parts.";
+
 export function ProjectStatus() {
   const wb = useWorkbench();
   const facts = project(wb);
@@ -25,6 +28,11 @@ export function ProjectStatus() {
       {isStale(facts) && (
         <button type="button" class="link stale" title={staleTitle(facts.gone)} onClick={() => selectStale(wb)}>
           {`Parts: ${staleText(facts)}`}
+        </button>
+      )}
+      {facts.aside > 0 && (
+        <button type="button" class="link" title={ASIDE} onClick={() => wb.store.notify("info", ASIDE)}>
+          {`${facts.aside} set aside`}
         </button>
       )}
     </span>

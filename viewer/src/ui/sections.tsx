@@ -1,11 +1,11 @@
 // Sections: cuts through the mock-up, moved by a slider or a figure.
 
-import { addSection, draftSection, flipped, pickFace, settleSection } from "../actions/sections";
+import { addSection, draftSection, flipped, pickFace, setFace, settleSection } from "../actions/sections";
 import type { Section, SectionBox } from "../link/protocol";
 import { axisOf, type BoxFace, isUpper } from "../math/box-faces";
 import { formatShare } from "../math/units";
 import type { Vec3 } from "../math/vectors";
-import { offsetRange, senseOf, withFace } from "../model/sections";
+import { offsetRange, senseOf } from "../model/sections";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
 
@@ -201,7 +201,7 @@ function BoxCard({ box }: { box: SectionBox }) {
             value={(isUpper(face) ? now.upper : now.lower)[axisOf(face)]}
             step={store.settings.value.step_m}
             disabled={isLocked}
-            change={(value) => wb.run("section_box", withFace(now, face, value))}
+            change={(value) => setFace(wb, face, value)}
           />
         ))}
       </div>

@@ -3,8 +3,8 @@
 import { endFilm, openSequenceFilm } from "../actions/cards";
 import { EXPORTS, type Export } from "../actions/exports";
 import { askOfLine } from "../actions/lines";
-import type { SequenceLine } from "../link/protocol";
-import { formatLength } from "../math/units";
+import type { Card, SequenceLine } from "../link/protocol";
+import { formatLength, type Unit } from "../math/units";
 import { revisionText } from "../model/stale";
 import { CardItem } from "./cards";
 import { useWorkbench } from "./context";
@@ -86,10 +86,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
     isLast &&
     !line.joint &&
     line.parts.some((part) => document?.moved[part] !== undefined && !document.out.includes(part));
-  const clearance =
-    line.least_clearance === null
-      ? "no clearance measured"
-      : `${formatLength(line.least_clearance, store.unit.value)} least clearance`;
+  const check = cards.find((card) => card.question === "way" && card.state === "done" && !card.is_stale);
   const earlier = revisionText(line.stale, (part) => store.nameOf(part));
   return (
     <li class={`card ${isReplaying ? "playing" : ""}`}>
@@ -129,7 +126,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
         <button type="button" class="link" onClick={() => wb.select(line.parts)}>
           {line.parts.length === 1 ? "1 part" : `${line.parts.length} parts`}
         </button>
-        {` · ${line.joint ? "moved by a joint" : clearance}${line.tool ? ` · with ${line.tool}` : ""}`}
+        {` · ${line.joint ? "moved by a joint" : clearanceText(line, check, store.unit.value)}${line.tool ? ` · with ${line.tool}` : ""}`}
         {isInside && (
           <span class="tag violated" title="Its parts lie inside the box of the mock-up: this is not a removal yet">
             not out
@@ -177,6 +174,17 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
       )}
     </li>
   );
+}
+
+/** Of its newest check, if that is of the line as it is now; else what was measured when it was moved. */
+function clearanceText(line: SequenceLine, check: Card | undefined, unit: Unit): string {
+  if (check?.is_good === false) return "does not hold";
+  const least = check?.is_good && check.clearances.length > 0 ? check.clearances[0] : line.least_clearance;
+  return least == null
+    ? check
+      ? "nothing near"
+      : "no clearance measured"
+    : `${formatLength(least, unit)} least clearance`;
 }
 
 const touchedText = (paths: readonly string[]): string => {

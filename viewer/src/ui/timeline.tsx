@@ -53,6 +53,7 @@ export function Timeline(props: TimelineProps) {
   const next = stops.find((stop) => stop.at > at + SAME_S);
   const previous = stops.filter((stop) => stop.at < at - SAME_S).at(-1);
   const current = stops.filter((stop) => stop.at <= at + SAME_S).length - 1;
+  const least = tightest(gaps);
   const entries = (
     <ol class="steps" aria-label={`Entries of ${name}`}>
       {stops.map((stop, k) => (
@@ -115,9 +116,7 @@ export function Timeline(props: TimelineProps) {
           ))}
         </select>
       </div>
-      {(gaps.length > 1 || (stops.length > 1 && !props.is_bare)) && (
-        <GapCurve {...props} share={share} isLocked={isLocked} />
-      )}
+      {gaps.length > 1 && least && <GapCurve {...props} least={least} share={share} isLocked={isLocked} />}
       <p class="note">{text}</p>
       {stops.length > 1 &&
         !props.is_bare &&
@@ -133,16 +132,16 @@ export function Timeline(props: TimelineProps) {
   );
 }
 
-function GapCurve(props: TimelineProps & { share: number; isLocked: boolean }) {
+/** Only where a gap is known: there is nothing to draw else. */
+function GapCurve(props: TimelineProps & { least: Gap; share: number; isLocked: boolean }) {
   const { store } = useWorkbench();
-  const { gaps, share, seconds, stops, go, isLocked } = props;
+  const { gaps, least, share, seconds, stops, go, isLocked } = props;
   const unit = store.unit.value;
   const known = gaps.map((each) => each.gap).filter((gap) => gap !== null);
   const most = Math.max(...known, 1e-6);
   const x = (at: number): number => MARGIN + at * (WIDTH - 2 * MARGIN);
   const y = (gap: number | null): number => HEIGHT - MARGIN - ((gap ?? most) / most) * (HEIGHT - 2 * MARGIN);
   const line = gaps.map((each) => `${x(each.share).toFixed(1)},${y(each.gap).toFixed(1)}`).join(" ");
-  const least = tightest(gaps);
   return (
     <div class="gap-curve">
       {/* biome-ignore lint/a11y/useKeyWithClickEvents: the slider above does the same by keys */}
@@ -150,13 +149,7 @@ function GapCurve(props: TimelineProps & { share: number; isLocked: boolean }) {
         viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
         preserveAspectRatio="none"
         role="img"
-        aria-label={
-          least?.gap != null
-            ? `Gap along ${props.name}, least ${formatLength(least.gap, unit)}`
-            : gaps.length > 0
-              ? "Nothing comes near"
-              : `Entries of ${props.name} over time`
-        }
+        aria-label={`Gap along ${props.name}, least ${formatLength(least.gap ?? 0, unit)}`}
         onClick={(event) => {
           if (isLocked) return;
           const box = event.currentTarget.getBoundingClientRect();
@@ -176,11 +169,9 @@ function GapCurve(props: TimelineProps & { share: number; isLocked: boolean }) {
         ))}
         <polyline points={line} />
         <line class="now" x1={x(share)} x2={x(share)} y1={0} y2={HEIGHT} />
-        {least?.gap != null && (
-          <line class="least" x1={x(least.share)} x2={x(least.share)} y1={y(least.gap)} y2={y(least.gap)} />
-        )}
+        <line class="least" x1={x(least.share)} x2={x(least.share)} y1={y(least.gap)} y2={y(least.gap)} />
       </svg>
-      {least?.gap != null && least.part !== null && (
+      {least.gap !== null && least.part !== null && (
         <button
           type="button"
           class="link"

@@ -147,6 +147,7 @@ def _waiting(document: Document, card: Card, known: Known) -> Card:
         setting=_setting(document, card.without, known),
         world=document.world,
         is_earlier=False,
+        clearances=(),
     )
 
 

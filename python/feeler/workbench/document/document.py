@@ -74,7 +74,7 @@ class ProjectFacts:
 
     state: "saved", "saving", "failed" or "read only". trouble: why it is not saved. stale: "changed", "moved" or "new"
     by part, for parts that differ from those that the project's answers are about. gone: paths of missing parts.
-    aside: number of removals and measures of missing parts, which only the file still has.
+    aside: number of removals, measures and cards of missing parts, which only the file has until these are back.
     """
 
     name: str
@@ -386,7 +386,8 @@ class Card:
     setting: the mock-up that it is about, in words; world: the same, as `Document.world`. share, stage: the progress.
     is_good: whether the answer is what one hopes for; None before it, and if it is neither. line: the line of the
     sequence that it is about, and way its `way_key`; world is that of `line_world` then. is_earlier: it is about an
-    earlier revision of the mock-up. edits: of a task, those that its answer is about.
+    earlier revision of the mock-up. edits: of a task, those that its answer is about. clearances: of a line, the least
+    one of each way of the answer, metres; None where nothing is near.
     """
 
     id: int
@@ -406,6 +407,7 @@ class Card:
     way: str = ""
     is_earlier: bool = False
     edits: TaskEdits = NO_EDIT
+    clearances: tuple[float | None, ...] = ()
 
 
 NO_EDITS: Mapping[int, TaskEdits] = MappingProxyType({})

@@ -58,7 +58,7 @@ def joint_step(document: Document, given: Arguments, known: Known) -> Document:
         number = state.number(step.name)
         kind = "turn" if number is None else number.kind
         for count, (parts, poses, starts) in enumerate(bodies):
-            name = f"Move {step.name} to {figure(kind, step.end)}"
+            name = f"Move {step.name} to {figure(kind, step.end, document.unit)}"
             line = Removal(
                 id=document.next_id,
                 name=name if count == 0 else f"{name}, {known.parts[parts[0]].name}",

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from feeler.words import length_in
 from feeler.workbench.document.motion import HOME, Row
 
 Point = tuple[float, float, float]
@@ -150,9 +151,9 @@ class JointStep:
     start: Mapping[str, float] = field(default_factory=lambda: _NOTHING)
 
 
-def figure(kind: str, value: float) -> str:
-    """A value in words."""
-    return f"{math.degrees(value):.4g}°" if kind == "turn" else f"{1e3 * value:.4g} mm"
+def figure(kind: str, value: float, unit: str) -> str:
+    """A value in words; unit: of lengths."""
+    return f"{math.degrees(value):.4g}°" if kind == "turn" else length_in(value, unit)
 
 
 def is_at(place: Row, other: Row) -> bool:

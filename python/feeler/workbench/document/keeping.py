@@ -38,13 +38,13 @@ from feeler.workbench.document.document import (
     Findings,
     Isolation,
     KeptClear,
-    Since,
     TaskEdits,
     Trip,
     Verdict,
 )
 from feeler.workbench.document.finding_rules import renamed_rules
 from feeler.workbench.document.finding_table import FindingTable, table_of
+from feeler.workbench.document.set_aside import KINDS, Aside, Renumber, brought_back, kept_things, numbers, stale_now
 from feeler.workbench.document.values import is_number
 
 NOT_KEPT = frozenset(
@@ -60,15 +60,16 @@ _INTERRUPTED = "Interrupted: ask again."
 _SLICE = 16
 _MOST_TEXT = 100_000
 
-Renumber = Callable[[int], int | None]
-"""The number of a part now; None if it is gone."""
-
 
 class Kept(NamedTuple):
-    """A document from a project. aside: what belonged to parts that are gone, as rows of the table `aside`."""
+    """A document from a project.
+
+    aside: what belonged to parts that are gone. back: ids of rows of the table `aside` whose parts are there again.
+    """
 
     document: Document
-    aside: tuple[tuple[str, str], ...]
+    aside: tuple[Aside, ...]
+    back: tuple[str, ...] = ()
 
 
 @cache
@@ -233,11 +234,13 @@ def restored(
     parts: Parts,
     renumber: Renumber | None = None,
     names: Names | None = None,
+    keys: Sequence[str] = (),
 ) -> Kept:
     """The document of a project, on the fields of `base` that a project does not keep. Raises `LoadError`.
 
     rows: of a table. marks: of findings. loads: a value of a row, and its place for errors. renumber: for a mock-up
-    with other parts than the project's. names: how those are called now, in requirements, rules and edits.
+    with other parts than the project's. names: how those are called now, in requirements, rules and edits. keys: of
+    the parts now, for what was set aside and is there again.
     """
     values: dict[str, Any] = {}
     texts = {row.id: row.value for row in rows("document")}
@@ -249,9 +252,11 @@ def restored(
         elif name in texts and name != _FINDINGS:
             values[name] = _decoded(loads(texts[name], where), kind, where)
     values = {name: value for name, value in values.items() if value is not MISSING}
-    aside: list[tuple[str, str]] = []
+    aside: tuple[Aside, ...] = ()
+    back: tuple[str, ...] = ()
     if renumber is not None:
         values, aside = _renumbered(values, renumber)
+        values, back = _with_back(values, rows("aside"), loads, {key: number for number, key in enumerate(keys)})
     if names is not None:
         values = _renamed(values, names, parts)
     if renumber is not None and "requirements" in values:
@@ -266,8 +271,8 @@ def restored(
         made = _findings({_TABLE: head} if rest is None else rest, found, marks, base, parts, renumber)
         values[_FINDINGS] = replace(made, resolved=resolved)
     document = replace(base, **values)
-    _check(document, len(parts), aside)
-    return Kept(document, tuple(aside))
+    _check(document, len(parts))
+    return Kept(document, aside, back)
 
 
 def _findings(
@@ -287,10 +292,10 @@ def _findings(
             values[name] = _decoded(rest[name], kind, f"{name} of the findings")
     check = values.get("check")
     if renumber is not None and check is not None:
-        of = None if check.of is None else _numbers(check.of, renumber)
+        of = None if check.of is None else numbers(check.of, renumber)
         values["check"] = replace(check, of=of, **_places(check, renumber))
     if renumber is not None and "stale" in values:
-        values["stale"] = _stale(values["stale"], renumber)
+        values["stale"] = stale_now(values["stale"], renumber)
     return replace(made, **values)
 
 
@@ -374,17 +379,13 @@ def _damaged(where: str, what: str) -> LoadError:
 # ---- another revision of the mock-up ----
 
 
-def _numbers(parts: Iterable[int], renumber: Renumber) -> tuple[int, ...]:
-    return tuple(now for part in parts if (now := renumber(part)) is not None)
-
-
 def _places(checked: Check | Verdict, renumber: Renumber) -> dict[str, Any]:
     """Where parts lay at a check, by their numbers now."""
     moved = {now: place for part, place in checked.moved.items() if (now := renumber(part)) is not None}
     return {
         "moved": MappingProxyType(dict(sorted(moved.items()))),
-        "out": tuple(sorted(_numbers(checked.out, renumber))),
-        "gripped": _numbers(checked.gripped, renumber),
+        "out": tuple(sorted(numbers(checked.out, renumber))),
+        "gripped": numbers(checked.gripped, renumber),
     }
 
 
@@ -393,10 +394,10 @@ def _requirement(each: KeptClear, renumber: Renumber) -> KeptClear:
     verdict = each.verdict
     if verdict is None:
         return each
-    parts = _numbers(verdict.parts, renumber)
+    parts = numbers(verdict.parts, renumber)
     if len(parts) < len(verdict.parts):
         return replace(each, verdict=None)
-    stale = _stale(verdict.stale, renumber)
+    stale = stale_now(verdict.stale, renumber)
     return replace(each, verdict=replace(verdict, parts=parts, stale=stale, **_places(verdict, renumber)))
 
 
@@ -410,10 +411,6 @@ def _with_its_parts(each: KeptClear, parts: Parts, paths: Sequence[str]) -> Kept
         return each
     pattern = lost[0].partition(" of rule ")[0]
     return replace(each, verdict=Verdict("unknown", trouble=f"{pattern} names no part of this revision"))
-
-
-def _stale(stale: Mapping[int, Since], renumber: Renumber) -> Mapping[int, Since]:
-    return MappingProxyType({now: since for part, since in stale.items() if (now := renumber(part)) is not None})
 
 
 def _renamed(values: dict[str, Any], names: Names, parts: Parts) -> dict[str, Any]:
@@ -446,20 +443,16 @@ def _renamed(values: dict[str, Any], names: Names, parts: Parts) -> dict[str, An
     return found
 
 
-def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, Any], tuple[Aside, ...]]:
     """The values with the numbers of parts now, and the things whose parts are gone."""
 
     def all_of(parts: Iterable[int]) -> tuple[int, ...]:
         return tuple(sorted(now for part in parts if (now := renumber(part)) is not None))
 
-    def in_order(parts: Iterable[int]) -> tuple[int, ...]:
-        return tuple(now for part in parts if (now := renumber(part)) is not None)
-
     def places(by_part: Mapping[int, Any]) -> Mapping[int, Any]:
         found = {now: place for part, place in by_part.items() if (now := renumber(part)) is not None}
         return MappingProxyType(dict(sorted(found.items())))
 
-    aside: list[tuple[str, str]] = []
     found = dict(values)
     for name in ("hidden", "ghost", "out"):
         found[name] = all_of(values.get(name, ()))
@@ -471,44 +464,40 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
         pairs = ((renumber(a), renumber(b)) for a, b in trip.seated)
         seated = frozenset((a, b) for a, b in pairs if a is not None and b is not None)
         found["trip"] = Trip(trip.way, all_of(trip.touched), seated)
-    lines = []
-    for line in values.get("sequence", ()):
-        moved = replace(
-            line,
-            parts=in_order(line.parts),
-            out=in_order(line.out),
-            starts=tuple((now, row) for part, row in line.starts if (now := renumber(part)) is not None),
-            stale=_stale(line.stale, renumber),
-        )
-        if moved.parts:
-            lines.append(moved)
-        else:
-            aside.append(("sequence", encoded(line)))
-    found["sequence"] = tuple(lines)
-    measures = []
-    for measure in values.get("measures", ()):
-        moved = replace(measure, parts=in_order(measure.parts), stale=_stale(measure.stale, renumber))
-        if len(moved.parts) == len(measure.parts):
-            measures.append(moved)
-        else:
-            aside.append(("measures", encoded(measure)))
-    found["measures"] = tuple(measures)
-    cards = []
-    for card in values.get(_CARDS, ()):
-        moved, held = card.world
-        world = (tuple((now, row) for part, row in moved if (now := renumber(part)) is not None), in_order(held))
-        now_card = replace(card, parts=in_order(card.parts), without=in_order(card.without), world=world)
-        if now_card.parts or not card.parts:
-            cards.append(now_card)
-        else:
-            aside.append((_CARDS, encoded(card)))
-    found[_CARDS] = tuple(cards)
+    things, aside = kept_things(values, renumber)
+    found |= things
     found["requirements"] = tuple(_requirement(each, renumber) for each in values.get("requirements", ()))
-    if not found["gripped"] or found.get("replaying") not in {line.id for line in lines}:
+    if not found["gripped"] or found.get("replaying") not in {line.id for line in found["sequence"]}:
         found["replaying"] = None
     if not found["gripped"]:
         found["trip"] = None
     return found, aside
+
+
+def aside_row(aside: Aside, keys: Sequence[str], at: str) -> str:
+    """What is set aside, as a row. keys: of the parts then. at: the time."""
+    named = {str(part): keys[part] for part in aside.parts}
+    return f'{{"kind":{dumps(aside.kind)},"at":{dumps(at)},"keys":{dumps(named)},"thing":{encoded(aside.thing)}}}'
+
+
+def _with_back(
+    values: dict[str, Any], rows: Sequence[Row], loads: Callable[[str, str], Any], number: Mapping[str, int]
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The values with what was set aside and has all its parts now; and the ids of its rows."""
+    found, back = dict(values), []
+    for row in rows:
+        row_value, where = loads(row.value, "aside"), f"row {row.id} of what was set aside"
+        kind = row_value.get("kind") if isinstance(row_value, dict) else None
+        if (
+            not isinstance(kind, str) or kind not in KINDS or "keys" not in row_value
+        ):  # of versions that kept no names of the parts
+            continue
+        keys = _decoded(row_value["keys"], Mapping[int, str], where)
+        now = brought_back(kind, _decoded(row_value.get("thing"), KINDS[kind], where), keys, number)
+        if now is not None:
+            found[kind] = (*found.get(kind, ()), now)
+            back.append(row.id)
+    return found, tuple(back)
 
 
 def _without(values: dict[str, Any], absent: frozenset[int]) -> dict[str, Any]:
@@ -548,7 +537,7 @@ class _Checks:
                 raise _damaged(where, str(error)[:120]) from None
 
 
-def _check(document: Document, parts: int, aside: Sequence[object]) -> None:
+def _check(document: Document, parts: int) -> None:
     """Raises `LoadError` for a document that no commands could have made and that would trip others."""
     check = _Checks(parts)
     for name in ("hidden", "ghost", "out"):

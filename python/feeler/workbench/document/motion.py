@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import WorkbenchError
-from feeler.poses import nearest_rigid, one_pose
+from feeler.poses import nearest_rigid, one_pose, rotation_vector
 
 Floats = npt.NDArray[np.float64]
 Row = tuple[float, ...]
@@ -76,3 +78,22 @@ def carried(start: Floats, end: Floats, points: Floats) -> float:
     """The largest travel of `(n, 3)` points between two poses, metres."""
     moved = points @ (end[:3, :3] - start[:3, :3]).T + (end[:3, 3] - start[:3, 3])
     return float(np.sqrt((moved * moved).sum(axis=1).max()))
+
+
+def middle_of(bounds: Floats, places: Sequence[Row]) -> Floats:
+    """The middle `(3,)` of the box of parts where they lie. bounds: `(n, 2, 3)` of the parts where they were loaded."""
+    around = []
+    for box, place in zip(bounds, map(matrix, places), strict=True):
+        around.append(corners(box) @ place[:3, :3].T + place[:3, 3])
+    points = np.concatenate([each for each in around if np.isfinite(each).all()] or [np.zeros((1, 3))])
+    return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0)
+
+
+def steps_of(motions: Sequence[Floats] | Floats, middle: Floats) -> tuple[list[float], list[float]]:
+    """The travel of a point from pose to pose, metres, and the rotation, radians.
+
+    The length of a way is that of the middle of what moves, as `feeler.Removal.path_length`.
+    """
+    pairs = [*pairwise(motions)]
+    travel = [carried(one, other, middle[None]) for one, other in pairs]
+    return travel, [float(np.linalg.norm(rotation_vector(b[:3, :3] @ a[:3, :3].T))) for a, b in pairs]

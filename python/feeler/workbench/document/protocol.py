@@ -273,6 +273,8 @@ class Card(TypedDict):
     """It is about an earlier revision of the mock-up, and so stale."""
     edits: TaskEdits
     """Of a task: what the user changed."""
+    clearances: list[float | None]
+    """Of a line: the least one of each way of the answer, metres; null where nothing is near."""
 
 
 class GivenWay(TypedDict):

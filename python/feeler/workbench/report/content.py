@@ -29,6 +29,7 @@ from feeler.workbench.document.document import (
 )
 from feeler.workbench.document.finding_table import DUPLICATE, KINDS, FindingTable, table_of
 from feeler.workbench.document.joints import JointStep, figure
+from feeler.workbench.document.line_facts import least_clearance, line_length, newest_check
 from feeler.workbench.report import values
 from feeler.workbench.report.source import Source
 
@@ -409,7 +410,7 @@ class _Writer:
         return rows
 
     def _step(self, line: Removal, gone: frozenset[int]) -> values.WayRow:
-        step = line.joint
+        step, mockup = line.joint, self._source.mockup
         poses = np.stack([motion.matrix(pose) for pose in line.way])
         moves = poses @ np.linalg.inv(poses[0])
         return values.WayRow(
@@ -421,22 +422,20 @@ class _Writer:
             starts=dict(line.starts),
             gone=gone - frozenset(line.parts),
             legs=(),
-            length=way_length(poses),
+            length=way_length(poses) if mockup is None else line_length(line, mockup.part_bounds),
             rotation=None if step is None or step.kind == "slide" else abs(step.end - step.begin),
-            clearance=_finite(line.least_clearance),
+            clearance=_finite(least_clearance(self._document, line)),
             touched=tuple(map(cut, line.touched[:MOST_ROWS])),
             tool=cut(line.tool or ""),
             stale=self.since(line.stale, line.parts) or (_EARLIER if line.stale else ""),
             checked=self._checked(line),
-            joint="" if step is None else cut(_joint_words(step)),
+            joint="" if step is None else cut(_joint_words(step, self._document.unit)),
         )
 
     def _checked(self, line: Removal) -> str:
         """What the newest check of its way says, if the way is still that one."""
-        document = self._document
-        cards = [card for card in document.cards if card.line == line.id and card.question == "way"]
-        said = [card.sentence for card in cards if card.state == "done" and not is_stale(document, card)]
-        return cut(said[-1], LONGEST_TEXT) if said else ""
+        check = newest_check(self._document, line)
+        return "" if check is None else cut(check.sentence, LONGEST_TEXT)
 
     def _names(self, parts: Sequence[int]) -> str:
         names = [name_of(self.path(part)) for part in parts[:3]]
@@ -485,8 +484,8 @@ def _some(said: Sequence[str]) -> str:
     return ", ".join(said[:3]) + (f", and {len(said) - 3:,} more" if len(said) > 3 else "")
 
 
-def _joint_words(step: JointStep) -> str:
-    return f"{step.name} from {figure(step.kind, step.begin)} to {figure(step.kind, step.end)}"
+def _joint_words(step: JointStep, unit: str) -> str:
+    return f"{step.name} from {figure(step.kind, step.begin, unit)} to {figure(step.kind, step.end, unit)}"
 
 
 def _gaps(way: WayFacts) -> tuple[tuple[float, float | None], ...]:

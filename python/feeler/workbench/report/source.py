@@ -23,6 +23,7 @@ from feeler.workbench.document.cards import task_parts
 from feeler.workbench.document.document import Document, MockupFacts
 from feeler.workbench.document.frames import check
 from feeler.workbench.document.revising import with_check, with_older, with_revision
+from feeler.workbench.document.set_aside import Renumber
 
 _SOURCES = 1000
 
@@ -84,6 +85,7 @@ def of_book(
         parts,
         None if is_numbered else _numbering(revision, book.path),
         names,
+        [part.key for part in revision.parts],
     )
     document = with_older(kept.document, rows, known, _numbering(revision, book.path), parts)
     document = with_revision(document, revision, parts)
@@ -208,7 +210,7 @@ def _named_parts(known: Sequence[PartContent]) -> Parts:
     return Parts([path.rpartition("/")[2] for path in paths], paths, triangles, empty)
 
 
-def _numbering(revision: Revision, where: str) -> keeping.Renumber:
+def _numbering(revision: Revision, where: str) -> Renumber:
     rows = revision.row_of
 
     def number(part: int) -> int | None:

@@ -14,6 +14,7 @@ import numpy as np
 from feeler.errors import WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import Part
+from feeler.plan.legs import leg_words
 from feeler.plan.order import RemovalOrder, removal_order
 from feeler.plan.removal import Removal, RemovalBlocker, removal
 from feeler.plan.swept import swept
@@ -21,7 +22,7 @@ from feeler.poses import between
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.tasks.replanning import Memory
-from feeler.words import length, plural
+from feeler.words import length_in, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, CardAnswer, Gap, ReachFacts, TaskAnswer, WayFacts
 from feeler.workbench.document.cards import task_parts
@@ -47,6 +48,9 @@ CLEARANCE_ERROR = 0.05
 MOST_BLOCKERS = 100
 _NAMED = 3  # parts named in a sentence
 
+Lengths = Callable[[float], str]
+"""A length in words, of metres."""
+
 
 @dataclass(frozen=True, eq=False)
 class Asked:
@@ -68,11 +72,17 @@ class Asked:
     """Of a task, and of access: the catalogue of tools, TOML; empty: the built-in one."""
     memory: Memory = field(default_factory=Memory)
     """Of a task: what its plans before edits found."""
+    unit: str = "mm"
+    """Of lengths in words."""
 
     @property
     def mockup(self) -> Mockup:
         """Of the scene."""
         return self.scene.mockup
+
+    def length(self, metres: float) -> str:
+        """A length in words."""
+        return length_in(metres, self.unit)
 
     def number(self, name: str, default: float) -> float:
         """An option, or its default."""
@@ -127,12 +137,13 @@ def way_out(asked: Asked, progress: Progress) -> Answered:
     if not found.legs:
         return _apart(asked, what, way)
     is_kept = way.clearance is None or way.clearance >= wanted * (1.0 - CLEARANCE_ERROR)
-    short = "" if is_kept else f", less than the {length(wanted)} that you asked for"
+    short = "" if is_kept else f", less than the {asked.length(wanted)} that you asked for"
     return Answered(
-        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found)}{nearest(asked.mockup, way, gaps)}{short}.",
+        f"{what} {_verb(asked.parts, 'come')} out: {_way_words(found, asked.length)}"
+        f"{nearest(asked.mockup, way, gaps, asked.length)}{short}.",
         is_kept,
         (way,),
-        (_way_facts(way, found, gaps),),
+        (_way_facts(way, found, gaps, asked.length),),
         _blockers(found.held_by, found.blocked_by),
     )
 
@@ -148,7 +159,7 @@ def _apart(asked: Asked, what: str, way: Way) -> Answered:
         "parts": list(way.parts),
         "poses": [list(pose) for pose in poses],
         "clearance": way.clearance,
-        "legs": [f"{length(long)} along {direction}"],
+        "legs": [f"{asked.length(long)} along {direction}"],
         "length": long,
         "rotation": 0.0,
         "gaps": [],
@@ -170,7 +181,7 @@ def order(asked: Asked, progress: Progress) -> Answered:
     if not found.is_found:
         return _no_order(asked, found)
     ways = tuple(_way(step.parts, step.removal, []) for step in found.steps)
-    facts = tuple(_way_facts(way, step.removal, []) for way, step in zip(ways, found.steps, strict=True))
+    facts = tuple(_way_facts(way, step.removal, [], asked.length) for way, step in zip(ways, found.steps, strict=True))
     what = f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'come')} out"
     others = shown(asked.mockup, (part for step in found.steps[:-1] for part in step.parts))
     along = shown(asked.mockup, (part for part in found.steps[-1].parts if part not in asked.parts))
@@ -214,19 +225,21 @@ def room(asked: Asked, progress: Progress) -> Answered:
     low, high = volume.bounds
     way = _way(asked.parts, found, [])
     litres = _volume(volume) * 1e3
-    sides = " × ".join(f"{1e3 * side:.0f}" for side in (high - low))
+    # Rounded to a millimetre.
+    *sides, last = (asked.length(round(float(side), 3)) for side in high - low)
+    box = " × ".join([*(side.removesuffix(f" {asked.unit}") for side in sides), last])
     return Answered(
         f"{_names(asked.mockup, asked.parts)} {_verb(asked.parts, 'need')} at most {_litres(litres)} on the way out, "
-        f"within {sides} mm.",
+        f"within {box}.",
         True,
         (way,),
-        (_way_facts(way, found, []),),
+        (_way_facts(way, found, [], asked.length),),
         room=_packed(volume),
         facts=(
             ("volume, at most", _litres(litres)),
-            ("drawn too large by at most", length(error)),
-            ("box", f"{sides} mm"),
-            ("way", _way_words(found)),
+            ("drawn too large by at most", asked.length(error)),
+            ("box", box),
+            ("way", _way_words(found, asked.length)),
         ),
     )
 
@@ -331,12 +344,12 @@ def _way(parts: tuple[int, ...], found: Removal, gaps: list[Gap]) -> Way:
     return Way(parts, tuple(motion.row(pose) for pose in found.poses), least if math.isfinite(least) else None)
 
 
-def _way_facts(way: Way, found: Removal, gaps: list[Gap]) -> WayFacts:
+def _way_facts(way: Way, found: Removal, gaps: list[Gap], length: Lengths) -> WayFacts:
     return {
         "parts": list(way.parts),
         "poses": [list(pose) for pose in way.poses],
         "clearance": way.clearance,
-        "legs": [str(leg) for leg in found.legs],
+        "legs": [leg_words(leg, length) for leg in found.legs],
         "length": found.path_length,
         "rotation": found.rotation,
         "gaps": gaps,
@@ -438,7 +451,7 @@ def _blocked(asked: Asked, found: Removal) -> str:
     return f"No way out was found for {names} {how}{tail}." if parts else f"No way out was found{tail}."
 
 
-def _way_words(found: Removal) -> str:
+def _way_words(found: Removal, length: Lengths) -> str:
     turned = f", turned by {math.degrees(found.rotation):.0f}°" if found.rotation > math.radians(0.5) else ""
     if not found.legs:
         return "already out"
@@ -446,7 +459,7 @@ def _way_words(found: Removal) -> str:
     return f"{legs}, {length(found.path_length)}{turned}"
 
 
-def nearest(mockup: Mockup, way: Way, gaps: list[Gap]) -> str:
+def nearest(mockup: Mockup, way: Way, gaps: list[Gap], length: Lengths) -> str:
     """The tightest place, and of which neighbour it is, if that was seen."""
     known = [each for each in gaps if each["gap"] is not None and each["part"] is not None]
     near = min(known, key=lambda each: each["gap"] or 0.0, default=None)

@@ -150,7 +150,16 @@ class Cards:
                 self._answers[card.id] = found
             if self._keep is not None:
                 self._keep(card.id, found)
-            self._told(card.id, state="done", sentence=found.sentence, is_good=found.is_good, share=1.0, stage="")
+            facts = () if card.line is None else found.way_facts
+            self._told(
+                card.id,
+                state="done",
+                sentence=found.sentence,
+                is_good=found.is_good,
+                clearances=tuple(way["clearance"] for way in facts),
+                share=1.0,
+                stage="",
+            )
         finally:
             with self._lock:
                 # The same question may have been asked again meanwhile.
@@ -181,6 +190,7 @@ class Cards:
             card.edits,
             document.task_times.toml,
             document.task_catalogue.toml,
+            unit=document.unit,
         )
         if card.question == "access":
             return reach(asked, progress)

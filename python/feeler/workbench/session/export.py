@@ -8,12 +8,13 @@ import numpy as np
 
 from feeler.io.csv_table import Cell, csv_table
 from feeler.io.export import animated_glb
-from feeler.io.film import Leg, motions_of, way_length, with_neighbours
+from feeler.io.film import Leg, motions_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench.document import motion
-from feeler.workbench.document.document import UNITS, Document, Removal, is_stale
+from feeler.workbench.document.document import UNITS, Document, Removal
+from feeler.workbench.document.line_facts import least_clearance, line_length, newest_check
 
 
 def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
@@ -74,12 +75,13 @@ def _headings(unit: str) -> list[str]:
 
 def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[Cell]:
     per_unit = UNITS[document.unit]
+    clearance = least_clearance(document, line)
     return [
         number,
         line.name,
         "; ".join(mockup.part_paths[part] for part in line.parts),
-        _rounded(way_length([motion.matrix(each) for each in line.way]) / per_unit),
-        None if line.least_clearance is None else _rounded(line.least_clearance / per_unit),
+        _rounded(line_length(line, mockup.part_bounds) / per_unit),
+        None if clearance is None else _rounded(clearance / per_unit),
         "; ".join(line.touched),
         line.tool or "",
         checked(line, document),
@@ -89,9 +91,8 @@ def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> li
 
 def checked(line: Removal, document: Document) -> str:
     """What the newest check of its way found, if the way, and what is around it, is still that one."""
-    cards = [card for card in document.cards if card.line == line.id and card.question == "way"]
-    found = [card.is_good for card in cards if card.state == "done" and not is_stale(document, card)]
-    return "not checked" if not found or found[-1] is None else "holds" if found[-1] else "does not hold"
+    check = newest_check(document, line)
+    return "not checked" if check is None or check.is_good is None else "holds" if check.is_good else "does not hold"
 
 
 def _end(number: int, line: Removal, document: Document) -> str:

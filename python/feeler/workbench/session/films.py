@@ -8,10 +8,11 @@ from feeler.mockup import Tool
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.words import length
+from feeler.words import length_in
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import FilmWay, Gap
 from feeler.workbench.document.document import Document, Removal
+from feeler.workbench.document.line_facts import least_clearance, line_steps
 from feeler.workbench.document.motion import Floats, Row
 from feeler.workbench.engine.gaps import Gaps, gap_json
 from feeler.workbench.engine.parts import PartTools
@@ -38,7 +39,7 @@ def ways(document: Document, scene: Scene, meshes: PartTools, progress: Progress
         out -= {*line.parts}
         there = {part: at for part, at in moved.items() if part not in line.parts and part not in out}
         around = World(scene, meshes, there, {*line.parts, *document.gripped, *out})
-        found.append(_way(line, motions, starts, around, meshes))
+        found.append(_way(document, line, motions, around, meshes, scene.mockup.part_bounds))
         for part in line.parts:
             moved[part] = motion.row(motions[-1] @ motion.matrix(starts.get(part, motion.HOME)))
         out |= {part for part in line.parts if part in document.out}
@@ -49,7 +50,10 @@ def _starts(line: Removal) -> dict[int, Row]:
     return {part: row for part, row in line.starts if part in line.parts}
 
 
-def _way(line: Removal, motions: Floats, starts: dict[int, Row], around: World, meshes: PartTools) -> FilmWay:
+def _way(
+    document: Document, line: Removal, motions: Floats, around: World, meshes: PartTools, bounds: Floats
+) -> FilmWay:
+    starts = _starts(line)
     items: dict[str, Tool | tuple[Tool, Floats]] = {
         str(part): (meshes.of(part)[0], motion.matrix(starts.get(part, motion.HOME))) for part in line.parts
     }
@@ -57,17 +61,16 @@ def _way(line: Removal, motions: Floats, starts: dict[int, Row], around: World, 
     poses, shares = spread(motions, moving.bounds)
     nearest = Gaps(around, moving, poses[0])
     gaps: list[Gap] = [gap_json(share, nearest.at(pose)) for pose, share in zip(poses, shares, strict=True)]
-    middle = moving.bounds.mean(axis=0)
-    places = motions[:, :3, :3] @ middle + motions[:, :3, 3]
-    travel = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+    steps, turns = line_steps(line, motions, bounds)
+    travel = sum(steps)
     return {
         "id": line.id,
         "parts": list(line.parts),
         "poses": [list(motion.row(pose)) for pose in motions],
         "starts": {str(part): list(row) for part, row in starts.items()},
-        "clearance": line.least_clearance,
-        "legs": [f"{length(travel)} by hand"],
+        "clearance": least_clearance(document, line),
+        "legs": [f"{length_in(travel, document.unit)} by hand"],
         "length": travel,
-        "rotation": 0.0,
+        "rotation": sum(turns),
         "gaps": gaps,
     }

@@ -19,14 +19,15 @@ from feeler._core import GuardedMove, Impact
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.mechanism.ranging import range_of
 from feeler.mockup import Tool
-from feeler.poses import between, inverse, rotation_vector
+from feeler.poses import between, inverse
 from feeler.progress import Progress
-from feeler.words import length, plural
+from feeler.words import length_in, plural
 from feeler.workbench.document import motion
 from feeler.workbench.document.answers import BlockerFacts, Gap, WayFacts
 from feeler.workbench.document.document import Card, Document, Removal, line_out, line_places
 from feeler.workbench.document.joints import figure
 from feeler.workbench.document.known import Way
+from feeler.workbench.document.line_facts import line_steps
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.engine.geometry import scene_bounds
 from feeler.workbench.engine.hand import Hands
@@ -67,6 +68,7 @@ class LineWay:
             raise WorkbenchError("this removal is not in the sequence any more", "cards", "ask again")
         self.line: Removal = document.sequence[at]
         self.mockup = hands.scene.mockup
+        self._unit = document.unit
         self.poses = np.array([motion.matrix(each) for each in self.line.way])
         self.places = line_places(document, at)
         bounds, own = scene_bounds(hands.scene), set(self.line.parts)
@@ -84,6 +86,10 @@ class LineWay:
         back = inverse(self.poses[0])
         held = tuple((part, motion.row(back @ motion.matrix(start))) for part, start in self.line.before.items())
         self.moving: Tool = hands.assembled(tool, held)
+
+    def length(self, metres: float) -> str:
+        """A length in words."""
+        return length_in(metres, self._unit)
 
     def world(self) -> World:
         """The world around it; made here, for its index takes time."""
@@ -108,7 +114,8 @@ def check_way(document: Document, card: Card, hands: Hands, progress: Progress) 
     facts = _facts(way, way.poses, gaps)
     kept = _way_of(way, facts)
     poses = plural(len(way.poses), "pose")
-    sentence = f"The way holds at and between its {poses}: {_measured(facts)}{nearest(way.mockup, kept, gaps)}."
+    near = nearest(way.mockup, kept, gaps, way.length)
+    sentence = f"The way holds at and between its {poses}: {_measured(facts, way)}{near}."
     return Answered(sentence, True, (kept,), (facts,), facts=_tool_facts(way))
 
 
@@ -134,8 +141,8 @@ def shorten_way(document: Document, card: Card, hands: Hands, progress: Progress
         return Answered(f"No shorter way was found: it has {pieces} already.", None, (kept,), (facts,))
     by = f"shorter by {100 * saved:.0f} %" if saved >= LEAST_SAVED else "simpler"
     sentence = (
-        f"The way can be {by}: {_measured(facts)} in {pieces} instead of {len(way.poses) - 1:,}"
-        f"{nearest(way.mockup, kept, gaps)}. It was checked."
+        f"The way can be {by}: {_measured(facts, way)} in {pieces} instead of {len(way.poses) - 1:,}"
+        f"{nearest(way.mockup, kept, gaps, way.length)}. It was checked."
     )
     return Answered(sentence, True, (kept,), (facts,), facts=_tool_facts(way))
 
@@ -170,11 +177,11 @@ def _joint_checked(document: Document, way: LineWay, hands: Hands, progress: Pro
     facts = _facts(way, way.poses, [])
     kept = _way_of(way, facts)
     reached = min(max(step.end, found.lower), found.upper)
-    begin, end = figure(step.kind, step.begin), figure(step.kind, step.end)
+    begin, end = figure(step.kind, step.begin, document.unit), figure(step.kind, step.end, document.unit)
     if abs(reached - step.end) <= _SAME_VALUE:
         return Answered(f"{step.name} moves freely from {begin} to {end}.", True, (kept,), (facts,))
     met = found.above if step.end > step.begin else found.below
-    sentence = f"{step.name} stops at {figure(step.kind, reached)} on its way from {begin} to {end}"
+    sentence = f"{step.name} stops at {figure(step.kind, reached, document.unit)} on its way from {begin} to {end}"
     if met is None:
         return Answered(f"{sentence}: its limit.", False, (kept,), (facts,))
     name = way.mockup.part_names[met.other].rpartition("/")[2]
@@ -305,29 +312,27 @@ def _way_of(way: LineWay, facts: WayFacts) -> Way:
 
 def _facts(way: LineWay, poses: Floats, gaps: list[Gap]) -> WayFacts:
     known = [each["gap"] for each in gaps if each["gap"] is not None]
-    turns = [float(np.linalg.norm(rotation_vector(b[:3, :3] @ a[:3, :3].T))) for a, b in pairwise(poses)]
-    middle = way.moving.bounds.mean(axis=0)
-    middles = poses[:, :3, :3] @ middle + poses[:, :3, 3]
-    steps = np.linalg.norm(np.diff(middles, axis=0), axis=1)
+    moves = way.moved(poses)
+    steps, turns = line_steps(way.line, moves, way.mockup.part_bounds)
     legs = [
-        f"move {length(float(step))}" + (f", turn by {math.degrees(turn):.0f}°" if turn > _TURNED_RAD else "")
+        f"move {way.length(step)}" + (f", turn by {math.degrees(turn):.0f}°" if turn > _TURNED_RAD else "")
         for step, turn in zip(steps, turns, strict=True)
     ]
     return {
         "parts": list(way.line.parts),
-        "poses": [list(motion.row(each)) for each in way.moved(poses)],
+        "poses": [list(motion.row(each)) for each in moves],
         "clearance": min(known, default=None),
         "legs": legs if len(legs) <= _MOST_LEGS else [],
-        "length": float(steps.sum()),
+        "length": sum(steps),
         "rotation": sum(turns),
         "gaps": gaps,
         "places": {str(part): list(place) for part, place in way.places.items()},
     }
 
 
-def _measured(facts: WayFacts) -> str:
+def _measured(facts: WayFacts, way: LineWay) -> str:
     turned = f", turned by {math.degrees(facts['rotation']):.0f}°" if facts["rotation"] > _TURNED_RAD else ""
-    return f"{length(facts['length'])}{turned}"
+    return f"{way.length(facts['length'])}{turned}"
 
 
 def _tool_facts(way: LineWay) -> tuple[tuple[str, str], ...]:

@@ -26,8 +26,9 @@ from feeler.project.store import Change, drop, put
 from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
 from feeler.workbench.document import keeping
-from feeler.workbench.document.document import Document, ProjectFacts, ToolFacts
+from feeler.workbench.document.document import Card, Document, ProjectFacts, ToolFacts
 from feeler.workbench.document.revising import with_check, with_older, with_revision
+from feeler.workbench.document.set_aside import Aside
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.record import digest
 
@@ -83,7 +84,8 @@ class Saver:
         facts = replace(self.facts)
         document = opened
         revision: Revision | None = None
-        aside: tuple[tuple[str, str], ...] = ()
+        aside: tuple[Aside, ...] = ()
+        back: tuple[str, ...] = ()
         known = project.parts()
         if before.get("hash") == opened.mockup.hash:
             stale = {number: part.change for number, part in enumerate(known) if part.change is not None}
@@ -107,9 +109,11 @@ class Saver:
                 scene.mockup.parts,
                 None if revision is None else _renumbering(revision),
                 names,
+                () if revision is None else [part.key for part in revision.parts],
             )
             number = _same if revision is None else _renumbering(revision)
             document, aside = with_older(kept.document, rows, known, number, scene.mockup.parts), kept.aside
+            back = kept.back
             if revision is not None:
                 document = with_revision(document, revision, scene.mockup.parts)
             document = with_check(document, checked_contents(rows), known if revision is None else revision.parts)
@@ -120,13 +124,14 @@ class Saver:
                 if row is not None:
                     hands.add(tool_of(row, project.path))
             document = _with_tool(document, opened, hands, tool_facts != project.fact("tool"))
-        facts = replace(facts, aside=len(project.rows("aside")) + len(aside))
+        facts = replace(facts, aside=len(project.rows("aside")) + len(aside) - len(back))
         hands.begin(document)
         document = replace(document, project=facts, tools=hands.names, held_version=hands.version(document))
         with self._guard:
             self._written = there
             lost = () if revision is None or revision.is_numbered_as_before else tuple(c.id for c in document.cards)
-            self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, aside, lost)
+            lost += tuple(each.thing.id for each in aside if isinstance(each.thing, Card))
+            self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, (aside, back), lost)
             self._is_begun = True
             if self._thread is None and not self._project.is_read_only:
                 self._thread = threading.Thread(target=self._loop, name="feeler project", daemon=True)
@@ -266,12 +271,13 @@ class Saver:
         tool: Tool | None,
         tool_facts: dict[str, Any] | None,
         revision: Revision | None,
-        aside: tuple[tuple[str, str], ...],
+        aside: tuple[tuple[Aside, ...], tuple[str, ...]],
         lost: tuple[int, ...],
     ) -> Iterator[Change]:
         """What the project says of the mock-up and the tool.
 
-        lost: cards whose answers name parts by the numbers of another revision.
+        aside: what is set aside now, and the rows that are back. lost: cards whose answers name parts by the numbers
+        of another revision.
         """
         project, facts = self._project, opened.mockup
         assert facts is not None
@@ -287,14 +293,15 @@ class Saver:
                     if change is not None:
                         yield change
         yield from (drop("answers", row_id(_answer_id(card))) for card in lost)
+        keys = [part.key for part in project.parts()]  # of the revision before, by which things are set aside
         if revision is not None:
             yield from project.revision_changes(revision)
         elif not project.parts():
             yield from rows_of(contents_of(scene.mockup))
-        number = len(project.rows("aside"))
-        for place, (kind, text) in enumerate(aside, start=number):
-            thing = f'{{"kind":{dumps(kind)},"at":{dumps(now())},"thing":{text}}}'
-            yield put("aside", str(place), place, thing)
+        there = project.rows("aside")
+        yield from (drop("aside", row) for row in aside[1])
+        for place, each in enumerate(aside[0], start=1 + max((row.place for row in there), default=-1)):
+            yield put("aside", str(place), place, keeping.aside_row(each, keys, now()))
 
 
 def _answer_id(card: int) -> str:

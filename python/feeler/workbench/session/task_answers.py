@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -123,23 +122,17 @@ def _blocker(row: TaskBlocker, numbers: Mapping[str, int]) -> TaskBlockerFacts:
 
 
 def _way_facts(mockup: Mockup, way: Way, step: TaskStep) -> WayFacts:
-    middle = mockup.part_bounds.reshape(-1, 2, 3)[list(step.parts)].mean(axis=(0, 1))
-    gone = [motion.carried(one, other, middle[None]) for one, other in pairwise(step.way)]
-    turned = sum(_angle(one, other) for one, other in pairwise(step.way))
+    bounds = mockup.part_bounds.reshape(-1, 2, 3)[list(step.parts)]
+    gone, turned = motion.steps_of(step.way, motion.middle_of(bounds, [motion.HOME] * len(bounds)))
     return {
         "parts": list(way.parts),
         "poses": [list(pose) for pose in way.poses],
         "clearance": None,
         "legs": [step.because],
-        "length": float(sum(gone)),
-        "rotation": turned,
+        "length": sum(gone),
+        "rotation": sum(turned),
         "gaps": [],
     }
-
-
-def _angle(one: Any, other: Any) -> float:
-    cosine = (np.trace(one[:3, :3].T @ other[:3, :3]) - 1.0) / 2.0
-    return math.acos(min(1.0, max(-1.0, float(cosine))))
 
 
 def _totals(found: Task) -> tuple[tuple[str, str], ...]:

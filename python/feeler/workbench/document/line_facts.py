@@ -1,0 +1,39 @@
+"""What is known of a line of the sequence: the length of its way, its newest check and least clearance.
+
+One rule for the page, its files and reports.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from feeler.poses import inverse
+from feeler.workbench.document.document import Card, Document, Removal, is_stale
+from feeler.workbench.document.motion import Floats, matrix, middle_of, steps_of
+
+
+def line_steps(line: Removal, motions: Floats, bounds: Floats) -> tuple[list[float], list[float]]:
+    """Travel and rotation from pose to pose, as `steps_of`, of the parts of a line.
+
+    motions: of the parts, `(n, 4, 4)`. bounds: of all parts of the mock-up.
+    """
+    boxes = bounds.reshape(-1, 2, 3)[list(line.parts)]
+    return steps_of(motions, middle_of(boxes, [line.before[part] for part in line.parts]))
+
+
+def line_length(line: Removal, bounds: Floats) -> float:
+    """The length of its way, metres."""
+    way = np.array([matrix(pose) for pose in line.way])
+    return sum(line_steps(line, way @ inverse(way[0]), bounds)[0])
+
+
+def newest_check(document: Document, line: Removal) -> Card | None:
+    """The newest check of its way, if the way, and what is around it, is still that one."""
+    cards = [card for card in document.cards if (card.line, card.question) == (line.id, "way")]
+    return next((card for card in reversed(cards) if card.state == "done" and not is_stale(document, card)), None)
+
+
+def least_clearance(document: Document, line: Removal) -> float | None:
+    """That of its newest check, if the way holds, else that of the hand; metres. None: nothing was near."""
+    check = newest_check(document, line)
+    return check.clearances[0] if check is not None and check.is_good and check.clearances else line.least_clearance
