@@ -443,8 +443,7 @@ OTHERWISE = {
 def started(world: World) -> haptics.Session:
     if world.session._recorder is not None:
         world.session._recorder.close()
-    if world.session.gripped:
-        world.session.release()
+    world.session.set_scene(world.scene)  # with all parts in their places
     world.session.start(world.away)
     return world.session
 
