@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
+import pickle
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,6 +17,7 @@ import feeler
 BLOCK = feeler.Mockup(np.concatenate([box((0, 0, 0), (1, 1, 1))[0], box((0.9, 0, 0), (2, 1, 1))[0]]),
                       np.concatenate([box((0, 0, 0), (1, 1, 1))[1], np.asarray(box((0, 0, 0), (1, 1, 1))[1]) + 8]),
                       np.repeat([0, 1], 12), ["a", "b"])  # fmt: skip
+RESULTS = (feeler.Removal, feeler.RemovalStep, feeler.Fastener, feeler.Clash, feeler.Reach, feeler.LoadReport)
 TOOL = feeler.Tool(*box((0, 0, 0), (0.2, 0.2, 0.2)))
 
 
@@ -84,6 +88,55 @@ def test_writing_into_a_scene_or_an_impact_raises() -> None:
     with pytest.raises(ValueError, match="read-only"):
         hit.pose[0, 0] = 2.0
     assert scene.part_mask.all() and hit.pose[0, 0] == 1.0
+
+
+def arrays_of(answer: Any, depth: int = 3) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
+    """The arrays of an answer and of what its fields and rows hold, by name."""
+    for name in dir(answer):
+        if name.startswith("_") or not isinstance(value := getattr(answer, name), (np.ndarray, tuple, *RESULTS)):
+            continue
+        if isinstance(value, np.ndarray):
+            yield f"{type(answer).__name__}.{name}", value
+        elif depth:
+            for each in value if isinstance(value, tuple) else (value,):
+                if isinstance(each, RESULTS):
+                    yield from arrays_of(each, depth - 1)
+
+
+def test_copies_and_pickles_are_as_read_only() -> None:
+    found, writable = set(), set()
+    for answer in answers():
+        if isinstance(answer, (feeler.ContactTracker, np.ndarray)):
+            continue
+        for copied in (pickle.loads(pickle.dumps(answer)), copy.copy(answer), copy.deepcopy(answer)):
+            for (name, before), (_, after) in zip(arrays_of(answer), arrays_of(copied), strict=True):
+                if not before.flags.writeable:
+                    found.add(name)
+                    if after.flags.writeable:
+                        writable.add(name)
+    assert len(found) > 100 and writable == set()
+
+
+def frozen_classes() -> dict[str, type[Any]]:
+    """Public dataclasses that keep their arrays from being written into."""
+    every = {
+        value.__name__: value
+        for room in (feeler, feeler.haptics, feeler.clashes, feeler.io, feeler.types)
+        for name in room.__all__
+        if dataclasses.is_dataclass(value := getattr(room, name)) and isinstance(value, type)
+    }
+    return {name: each for name, each in every.items() if hasattr(each.__init__, "__wrapped__")}
+
+
+def test_results_with_arrays_are_known() -> None:
+    assert {"Removal", "Reach", "Depth", "Opening", "Fastener", "Seen", "RayHit", "Step"} <= frozen_classes().keys()
+
+
+@pytest.mark.parametrize("kind", frozen_classes().values(), ids=frozen_classes())
+def test_fields_of_a_pickle_are_read_only(kind: type[Any]) -> None:
+    made: Any = object.__new__(kind)
+    made.__setstate__({each.name: np.zeros(3) for each in dataclasses.fields(kind)})
+    assert not any(getattr(made, each.name).flags.writeable for each in dataclasses.fields(kind))
 
 
 def test_fields_of_frozen_answers_are_read_only() -> None:
