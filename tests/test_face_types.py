@@ -311,6 +311,7 @@ def test_an_import_loads_only_what_is_asked_for() -> None:
         "poses",
         "progress",
         "renamed",
+        "short_reprs",
         "rows",
         "scene_pickles",
         "words",

@@ -1,4 +1,4 @@
-"""Arrays that answers make anew at every access are read-only: what is written into them would be lost."""
+"""Arrays of answers are read-only, as what is written into those made at each access would be lost. Reprs are short."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import pytest
 from shapes import box
 
 import feeler
+from feeler.short_reprs import short
 
 BLOCK = feeler.Mockup(np.concatenate([box((0, 0, 0), (1, 1, 1))[0], box((0.9, 0, 0), (2, 1, 1))[0]]),
                       np.concatenate([box((0, 0, 0), (1, 1, 1))[1], np.asarray(box((0, 0, 0), (1, 1, 1))[1]) + 8]),
@@ -126,6 +127,33 @@ def frozen_classes() -> dict[str, type[Any]]:
         if dataclasses.is_dataclass(value := getattr(room, name)) and isinstance(value, type)
     }
     return {name: each for name, each in every.items() if hasattr(each.__init__, "__wrapped__")}
+
+
+def test_reprs_of_answers_are_short() -> None:
+    """One line each, whatever they hold."""
+    truth = feeler.sample_truth("gearbox", 75_000)
+    found = feeler.clash(feeler.sample("gearbox", 75_000), 0.002)
+    told = [*answers(), truth, truth.fits[0], found, found.facts, found.columns, found.shapes, found.groups("part")[0]]
+    told += [feeler.opening(feeler.Scene(BLOCK), (0.5, 0.5, 3), (0, 0, 1)), BLOCK.source, BLOCK.report]
+    reprs = [repr(each) for each in told if not isinstance(each, np.ndarray)]
+    assert len(reprs) > 45 and [text for text in reprs if len(text) > 1200 or "\n" in text] == []
+    assert repr(truth).count(" in all") > 3, "lists say how long they are"
+
+
+def test_texts_of_values_are_bounded() -> None:
+    place = np.eye(4)
+    assert short(place) == "<array (4, 4) float64>" and short(place[0]) == "array([1., 0., 0., 0.])"
+    assert short(()) == "()" and short((1,)) == "(1,)" and short([1, "a"]) == "[1, 'a']" and short({}) == "{}"
+    assert short(tuple(range(10**6))).endswith(", ... 1,000,000 in all)")
+    assert short({number: place for number in range(9)}).endswith(", ... 9 in all}")
+    for value in (
+        ["x" * 1000] * 9,
+        {"x" * 1000: "y" * 1000},
+        "x\n" * 1000,
+        [[[["x" * 90] * 9] * 9] * 9] * 9,
+        place[:0],
+    ):
+        assert len(short(value)) < 300 and "\n" not in short(value)
 
 
 def test_results_with_arrays_are_known() -> None:

@@ -22,6 +22,7 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
 from feeler.rows import AnyArray, read_only
+from feeler.short_reprs import shortly
 
 Floats = npt.NDArray[np.float64]
 VerdictLike: TypeAlias = Verdict | VerdictName
@@ -98,6 +99,7 @@ class Clash:
         self.__dict__.update({name: _with_one_nan(value) for name, value in state.items()})
 
 
+@shortly
 @dataclass(frozen=True, eq=False)
 class Columns:
     """The arrays of a table, a row for each finding: `a`, `b`, `depth`, `depth_error`, `translation`, `gap`, `point_a`,
@@ -173,6 +175,7 @@ SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
 """The type of each column, and the shape of a row's entry."""
 
 
+@shortly
 @documented
 @dataclass(frozen=True)
 class Facts:
