@@ -53,7 +53,8 @@ class Clash:
     reduce it."""
     depth_error: float
     """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
-    two million pieces, which takes seconds. NaN if both parts are open. Of duplicates, how far apart they can be."""
+    two million cuts of the surfaces, which takes seconds. NaN if both parts are open. Of duplicates, how far apart they
+    can be."""
     depth_kind: DepthKind
     """`"measured"`, or `"estimate"` if a surface of a part is open and so has no inside. The estimate says how deep the
     open surface lies in the closed surfaces of the other part. If neither part has a closed surface, it says how far
