@@ -225,7 +225,6 @@ def test_columns_of_words_say_what_their_elements_are() -> None:
 UNTYPED = {
     "feeler.View.findings_take.saved": "JSON",
     "feeler.clashes.report.return": "JSON",
-    "feeler.Scene.moved.poses": "the key of a Mapping has one type, and parts have several",
     "feeler.Clashes.to_pandas.return": "pandas need not be installed",
 }
 """Public signatures with `Any`, and why no type is known. All `to_dict` and `to_dicts` return JSON."""
@@ -312,6 +311,7 @@ def test_an_import_loads_only_what_is_asked_for() -> None:
         "poses",
         "progress",
         "renamed",
+        "short_reprs",
         "rows",
         "scene_pickles",
         "words",

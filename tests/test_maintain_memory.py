@@ -14,6 +14,7 @@ from shapes import box, cube
 from test_maintain import facts
 
 import feeler
+from feeler.parts import PartNumber
 from feeler.plan.blocking import Mover
 from feeler.tasks import nightly, reached
 from feeler.tasks.memory import Memory, carried
@@ -288,7 +289,7 @@ def test_an_answer_holds_among_the_same_parts_where_it_looked() -> None:
         def cast() -> list[Any]:
             asks.append(1)
             hit = there.cast(driver(), place(0.0, 0.3), place(0.0, -0.2))
-            return [None if hit is None else feeler.scene.PartNumber(hit.part)]
+            return [None if hit is None else PartNumber(hit.part)]
 
         return there._recalled("cast", [], ["driver"], cast)[0]
 

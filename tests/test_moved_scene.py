@@ -267,6 +267,6 @@ def test_errors() -> None:
     with pytest.raises(OptionError, match="no part"):
         scene.moved({"door": np.eye(4)})
     with pytest.raises(OptionError, match="give a dict"):
-        scene.moved([np.eye(4)])  # type: ignore[arg-type]
+        scene.moved([np.eye(4)])  # type: ignore[call-overload]
     with pytest.raises(PoseError):
         scene.moved({"part_1": 2 * np.eye(4)})

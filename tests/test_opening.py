@@ -71,6 +71,21 @@ def test_round_holes() -> None:
         assert flat.height == 0.5 * flat.width
 
 
+def test_a_ball_as_wide_as_its_limit_goes_through() -> None:
+    """The line that its middle follows has no width."""
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        turn, shift = turn_of(rng), rng.normal(size=3)
+        scene = posed(frame_of(0.02, 0.03), turn, shift)
+        limits = [feeler.OpeningLimit("ball", "ball", width, 0.0, "-") for width in (0.02, 0.02 + 1e-9)]
+        row = feeler.opening(scene, shift, turn[:, 2], limits=limits)
+        assert abs(row.ball - 0.02) < 1e-13 and [bool(fit) for fit in row.fits] == [True, False]
+    crossed = posed(
+        {**frame_of(0.02, 0.03), "wire": box((-0.01, -1e-3, -1e-3), (0.01, 1e-3, 1e-3))}, np.eye(3), np.zeros(3)
+    )
+    assert feeler.opening(crossed, [0, 0, 0], Z).ball == 0.0
+
+
 def test_windows_and_slots_at_any_turn() -> None:
     rng = np.random.default_rng(3)
     for width, height in ((0.06, 0.06), (0.12, 0.03), (0.05, 0.08), (0.3, 0.1)):
@@ -251,15 +266,26 @@ def test_boxes_in_a_narrow_slit(slit: float, aspect: float, turn_deg: float) -> 
     assert found.height == pytest.approx(aspect * found.width)
 
 
+def widest_in(width: float, height: float, aspect: float) -> float:
+    """The width of the largest box in a window at any turn, to a billionth of a metre."""
+
+    def sizes(angles: np.ndarray) -> np.ndarray:
+        c, s = abs(np.cos(angles)), abs(np.sin(angles))
+        return np.asarray(np.minimum(width / (c + aspect * s), height / (s + aspect * c)))
+
+    angles, step = np.linspace(0.0, math.pi, 20_001, retstep=True)
+    found = sizes(angles)
+    best = angles[found > found.max() - 1e-5]  # which of these is the best may be between two angles
+    return float(sizes(best[:, None] + float(step) * np.linspace(-1.0, 1.0, 4001)).max())
+
+
 @pytest.mark.parametrize("aspect", [0.1, 0.25, 0.6, 4.0])
 def test_no_turn_of_a_box_in_a_window_is_missed(aspect: float) -> None:
     """There are several that no small turn betters."""
     rng = np.random.default_rng(1)
-    angles = np.linspace(0.0, math.pi, 20_001)
-    c, s = abs(np.cos(angles)), abs(np.sin(angles))
     for width, height in [*rng.uniform(0.005, 0.08, (6, 2)).tolist(), [0.01985, 0.02791]]:
         turn, shift = turn_of(rng), rng.uniform(-1.0, 1.0, 3)
-        truth = float(np.minimum(width / (c + aspect * s), height / (s + aspect * c)).max())
+        truth = widest_in(width, height, aspect)
         found = feeler.opening(posed(frame_of(width, height), turn, shift), shift, turn[:, 2], aspect=aspect)
         assert about(found.width, truth), (width, height)
 

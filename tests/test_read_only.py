@@ -1,7 +1,10 @@
-"""Arrays that answers make anew at every access are read-only: what is written into them would be lost."""
+"""Arrays of answers are read-only, as what is written into those made at each access would be lost. Reprs are short."""
 
 from __future__ import annotations
 
+import copy
+import dataclasses
+import pickle
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,10 +13,12 @@ import pytest
 from shapes import box
 
 import feeler
+from feeler.short_reprs import short
 
 BLOCK = feeler.Mockup(np.concatenate([box((0, 0, 0), (1, 1, 1))[0], box((0.9, 0, 0), (2, 1, 1))[0]]),
                       np.concatenate([box((0, 0, 0), (1, 1, 1))[1], np.asarray(box((0, 0, 0), (1, 1, 1))[1]) + 8]),
                       np.repeat([0, 1], 12), ["a", "b"])  # fmt: skip
+RESULTS = (feeler.Removal, feeler.RemovalStep, feeler.Fastener, feeler.Clash, feeler.Reach, feeler.LoadReport)
 TOOL = feeler.Tool(*box((0, 0, 0), (0.2, 0.2, 0.2)))
 
 
@@ -84,6 +89,82 @@ def test_writing_into_a_scene_or_an_impact_raises() -> None:
     with pytest.raises(ValueError, match="read-only"):
         hit.pose[0, 0] = 2.0
     assert scene.part_mask.all() and hit.pose[0, 0] == 1.0
+
+
+def arrays_of(answer: Any, depth: int = 3) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
+    """The arrays of an answer and of what its fields and rows hold, by name."""
+    for name in dir(answer):
+        if name.startswith("_") or not isinstance(value := getattr(answer, name), (np.ndarray, tuple, *RESULTS)):
+            continue
+        if isinstance(value, np.ndarray):
+            yield f"{type(answer).__name__}.{name}", value
+        elif depth:
+            for each in value if isinstance(value, tuple) else (value,):
+                if isinstance(each, RESULTS):
+                    yield from arrays_of(each, depth - 1)
+
+
+def test_copies_and_pickles_are_as_read_only() -> None:
+    found, writable = set(), set()
+    for answer in answers():
+        if isinstance(answer, (feeler.ContactTracker, np.ndarray)):
+            continue
+        for copied in (pickle.loads(pickle.dumps(answer)), copy.copy(answer), copy.deepcopy(answer)):
+            for (name, before), (_, after) in zip(arrays_of(answer), arrays_of(copied), strict=True):
+                if not before.flags.writeable:
+                    found.add(name)
+                    if after.flags.writeable:
+                        writable.add(name)
+    assert len(found) > 100 and writable == set()
+
+
+def frozen_classes() -> dict[str, type[Any]]:
+    """Public dataclasses that keep their arrays from being written into."""
+    every = {
+        value.__name__: value
+        for room in (feeler, feeler.haptics, feeler.clashes, feeler.io, feeler.types)
+        for name in room.__all__
+        if dataclasses.is_dataclass(value := getattr(room, name)) and isinstance(value, type)
+    }
+    return {name: each for name, each in every.items() if hasattr(each.__init__, "__wrapped__")}
+
+
+def test_reprs_of_answers_are_short() -> None:
+    """One line each, whatever they hold."""
+    truth = feeler.sample_truth("gearbox", 75_000)
+    found = feeler.clash(feeler.sample("gearbox", 75_000), 0.002)
+    told = [*answers(), truth, truth.fits[0], found, found.facts, found.columns, found.shapes, found.groups("part")[0]]
+    told += [feeler.opening(feeler.Scene(BLOCK), (0.5, 0.5, 3), (0, 0, 1)), BLOCK.source, BLOCK.report]
+    reprs = [repr(each) for each in told if not isinstance(each, np.ndarray)]
+    assert len(reprs) > 45 and [text for text in reprs if len(text) > 1200 or "\n" in text] == []
+    assert repr(truth).count(" in all") > 3, "lists say how long they are"
+
+
+def test_texts_of_values_are_bounded() -> None:
+    place = np.eye(4)
+    assert short(place) == "<array (4, 4) float64>" and short(place[0]) == "array([1., 0., 0., 0.])"
+    assert short(()) == "()" and short((1,)) == "(1,)" and short([1, "a"]) == "[1, 'a']" and short({}) == "{}"
+    assert short(tuple(range(10**6))).endswith(", ... 1,000,000 in all)")
+    assert short({number: place for number in range(9)}).endswith(", ... 9 in all}")
+    for value in (
+        ["x" * 1000] * 9,
+        {"x" * 1000: "y" * 1000},
+        "x\n" * 1000,
+        [[[["x" * 90] * 9] * 9] * 9] * 9,
+        place[:0],
+    ):
+        assert len(short(value)) < 300 and "\n" not in short(value)
+
+
+def test_results_with_arrays_are_known() -> None:
+    assert {"Removal", "Reach", "Depth", "Opening", "Fastener", "Seen", "RayHit", "Step"} <= frozen_classes().keys()
+
+
+@pytest.mark.parametrize("kind", frozen_classes().values(), ids=frozen_classes())
+def test_fields_of_a_pickle_are_read_only(kind: type[Any]) -> None:
+    made: Any = object.__new__(kind)
+    made.__setstate__({each.name: np.zeros(3) for each in dataclasses.fields(kind)})
+    assert not any(getattr(made, each.name).flags.writeable for each in dataclasses.fields(kind))
 
 
 def test_fields_of_frozen_answers_are_read_only() -> None:

@@ -651,7 +651,9 @@ def test_commands_share_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     alone = run_json(*reach, code=1)["rows"]
     assert run_json(*reach, "--workers", "2", code=1)["rows"] == alone
     assert "exclude each other" in error_of(*each, "--workers", "2", "--dask", address)
-    assert "are for --each" in error_of("remove", "gearbox.feeler", "--part", "*retainer*", "--workers", "2")
+    assert "--workers is for --each or --order" in error_of(
+        "remove", "gearbox.feeler", "--part", "*retainer*", "--workers", "2"
+    )
     assert "--rounds is for" in error_of("remove", "gearbox.feeler", "--part", "*", "--insert", "--rounds", "2")
     wanted = ["--part", "gearbox/bracket/left_mount/retainer", "--keep", "gearbox/housing", "--rounds", "2"]
     each = ["remove", "gearbox.feeler", "--order", *wanted, "--seconds", "600"]

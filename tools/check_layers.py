@@ -270,6 +270,7 @@ BASE = {
     "progress",
     "renamed",
     "scene",
+    "short_reprs",
     "source",
     "travel",
     "words",
@@ -287,8 +288,9 @@ ROOMS: dict[str, set[str]] = {
     # Tables of columns as sequences.
     "rows": {"field_docs"},
     "mesh_types": {"poses"},
-    # The texts of fields in docstrings.
-    "field_docs": set(),
+    # Reprs of dataclasses, and the texts of fields in their docstrings.
+    "short_reprs": set(),
+    "field_docs": {"short_reprs"},
     "renamed": {"errors"},
     # What users annotate with: it only imports.
     "types": {
@@ -307,7 +309,7 @@ ROOMS: dict[str, set[str]] = {
     "memory": set(),
     # The files of saved scenes, which mock-ups and scenes can be in.
     "saved": {"_core", "arguments", "attributes", "errors", "memory", "source"},
-    "source": {"choices", "field_docs"},
+    "source": {"choices", "field_docs", "short_reprs"},
     "mockup": {
         *("_core", "arguments", "attributes", "choices", "errors", "parts", "poses", "saved", "source", "travel"),
         *("field_docs", "mesh_types", "part_meshes", "words"),

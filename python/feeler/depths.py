@@ -37,7 +37,7 @@ class Depth:
 
 
 @documented
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Depths(Columns[Depth]):
     """The depth of a tool at one pose: a row for each part that it collides with, contains or is inside; deepest first.
 

@@ -17,6 +17,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from feeler.short_reprs import shortly
+
 Class = TypeVar("Class", bound=type[Any])
 
 _WIDTH = 100
@@ -25,17 +27,25 @@ _ARRAYS = ("NDArray", "Floats", "Bools", "Ints")
 
 
 def documented(cls: Class) -> Class:
-    """Adds the texts of the fields to the docstring of a dataclass, and makes arrays in a frozen one read-only. Put it
-    above `@dataclass`."""
+    """Adds the texts of the fields to the docstring of a dataclass; makes arrays in a frozen one read-only, and its
+    repr short. Put it above `@dataclass`."""
     names = " ".join(str(each.type) for each in dataclasses.fields(cls))
     if cls.__dataclass_params__.frozen and any(each in names for each in _ARRAYS):
-        cls.__init__ = _with_read_only(cls.__init__, [each.name for each in dataclasses.fields(cls)])
+        fields = [each.name for each in dataclasses.fields(cls)]
+        cls.__init__ = _with_read_only(cls.__init__, fields)
+        cls.__setstate__ = _with_read_only(getattr(cls, "__setstate__", _set_state), fields)
+        shortly(cls)
     cls.__doc__ = _Completed(cls.__doc__ or "")  # type: ignore[assignment]  # a class asks descriptors for it, too
     return cls
 
 
+def _set_state(self: object, state: dict[str, Any]) -> None:
+    """As `pickle` and `copy` do without `__setstate__`."""
+    vars(self).update(state)
+
+
 def _with_read_only(init: Callable[..., None], names: Sequence[str]) -> Callable[..., None]:
-    """An `__init__` after which arrays cannot be written into: others may hold the same object."""
+    """An `__init__` or `__setstate__` after which arrays cannot be written into: others may hold the same object."""
 
     @functools.wraps(init)
     def made(self: object, *args: object, **values: object) -> None:

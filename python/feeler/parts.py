@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeAlias, overload
+from typing import Any, TypeAlias, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -51,6 +51,14 @@ class Part:
 
 PartsLike: TypeAlias = int | str | Part | Iterable[int | str | Part] | npt.NDArray[Any]
 """Parts, as arguments name them: see `Parts.select`."""
+PartsKey: TypeAlias = int | str | Part | tuple[int | str | Part, ...] | frozenset[int | str | Part]
+"""Parts as a key of a dict."""
+OnePartsKey = TypeVar("OnePartsKey", bound=PartsKey)
+"""The key of a dict whose keys are of one kind: the key of a `Mapping` is invariant."""
+
+
+class PartNumber(int):
+    """The index of a part, in what a scene may remember."""
 
 
 class Parts(Sequence[Part]):

@@ -56,7 +56,7 @@ from feeler.figures import SceneMemory
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.memory import free_memory
 from feeler.mockup import Mockup, Tool
-from feeler.parts import PartsLike
+from feeler.parts import OnePartsKey, PartsKey, PartsLike
 from feeler.poses import PoseLike, PosesLike, one_pose
 from feeler.progress import Progress
 from feeler.renamed import keywords
@@ -74,14 +74,9 @@ class PairKind(CodedEnum):
     COPLANAR = "coplanar"
     """They lie in one plane."""
     CROSSING = "crossing"
-    """In two planes: each triangle has vertices strictly on both sides of the other's, and they share more than a
-    point."""
+    """In two planes: each has vertices strictly on both sides of the other's, and they share more than a point."""
     TOUCHING = "touching"
     """Every other case: a vertex or an edge on a face, edge on edge, a shared point."""
-
-
-class PartNumber(int):
-    """The index of a part, in what a scene may remember."""
 
 
 class Scene(_core.Scene):
@@ -142,9 +137,7 @@ class Scene(_core.Scene):
         check_progress(progress)
         if voxel_size is None and tool is not None and storage in ("dense", "hashed"):
             level = check_real("hashing", hashing)
-            if 0.0 <= level <= 0.99 and (
-                storage == "hashed" or level == 0.0
-            ):  # the core says what is wrong with others
+            if 0.0 <= level <= (0.99 if storage == "hashed" else 0.0):  # the core says what is wrong with others
                 voxel_size = _calibrated_size(mockup, tool, storage, level, memory_limit)
         start = time.perf_counter()
         file = mockup._saved
@@ -196,7 +189,11 @@ class Scene(_core.Scene):
         """The scene with only these parts, except those already removed; the opposite of `without`."""
         return self._made_of(super()._selected_only(self.mockup.parts.select(parts).tolist()))
 
-    def moved(self, poses: Mapping[Any, PoseLike]) -> Scene:
+    @overload  # before the other: of a dict of several kinds of keys, mypy finds none
+    def moved(self, poses: Mapping[PartsKey, PoseLike]) -> Scene: ...
+    @overload
+    def moved(self, poses: Mapping[OnePartsKey, PoseLike]) -> Scene: ...
+    def moved(self, poses: Mapping[PartsKey, PoseLike] | Mapping[OnePartsKey, PoseLike]) -> Scene:
         """The scene with parts at other places: `{"cowl/*": pose}`, each pose `(4, 4)`.
 
         Keys name parts as `Parts.select` takes them: an index, a path or pattern, a tuple of these. A pose counts from

@@ -7,8 +7,10 @@ from typing import cast
 
 from feeler.choices import UpAxis
 from feeler.field_docs import documented
+from feeler.short_reprs import shortly
 
 
+@shortly
 @documented
 @dataclass(frozen=True)
 class Source:

@@ -70,7 +70,7 @@ from feeler.mesh_types import (
     MeshSource,
 )
 from feeler.mockup import Defect, LoadReport
-from feeler.parts import Part, Parts, PartsLike
+from feeler.parts import Part, Parts, PartsKey, PartsLike
 from feeler.picture.collision import Hits
 from feeler.plan.reaching import Hand
 from feeler.poses import HasArray, HasMatrix, PoseLike, PosesLike
@@ -143,6 +143,7 @@ __all__ = [
     "PackageDirs",
     "Part",
     "Parts",
+    "PartsKey",
     "PartsLike",
     "PathLike",
     "PenetrationKind",

@@ -15,6 +15,9 @@ scene.colide(tool, np.eye(4))  # wrong
 scene.collide(tool)  # wrong
 scene.collide(tool, np.eye(4), ignored=None)  # wrong
 scene.collide(tool, np.eye(4), ignore=3)  # wrong
+scene.moved({3.5: np.eye(4)})  # wrong
+scene.moved({"cowl": "here"})  # wrong
+scene.moved([np.eye(4)])  # wrong
 scene.is_free(tool, np.eye(4), ignore="x")  # wrong
 scene.cast(tool, np.eye(4), np.eye(4), touching="freely")  # wrong
 scene.cast(tool, np.eye(4), np.eye(4)).fraction  # wrong

@@ -100,6 +100,11 @@ screws: feeler.Fasteners = feeler.find_fasteners(scene)
 for reach in feeler.access(scene, tool, screws):
     print(reach)
 
+by_index: dict[int, npt.NDArray[np.float64]] = {part.index: pose for part in parts}
+opened: dict[str, tuple[npt.NDArray[np.float64], list[float]]] = {"cowl/*": (np.eye(3), [0.0, 0, 1])}
+both: feeler.Scene = scene.moved(by_index).moved(opened).moved({"a": pose, ("b", 3): pose, parts[0]: pose, 4: pose})
+scene.moved({part: pose for part in parts}).moved({}).moved({tuple(parts): pose})
+
 session = feeler.haptics.Session(scene, tool)
 session.start(pose)
 step = session.step(pose, dt=0.001)

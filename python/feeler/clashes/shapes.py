@@ -17,6 +17,7 @@ import numpy.typing as npt
 from feeler.clashes.chords import chord_errors
 from feeler.clashes.tracking import part_keys
 from feeler.mockup import Mockup
+from feeler.short_reprs import shortly
 
 Floats = npt.NDArray[np.float64]
 Hashes = npt.NDArray[np.uint64]
@@ -28,6 +29,7 @@ _DIGITS = 9
 """Decimals of a metre: rounding hides the order of summation, so that a file does not depend on it."""
 
 
+@shortly
 @dataclass(frozen=True, eq=False)
 class Shapes:
     """A row for each part, metres; NaN if the shape is not known.

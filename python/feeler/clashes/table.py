@@ -22,6 +22,7 @@ from feeler.field_docs import documented
 from feeler.mockup import Mockup
 from feeler.renamed import OldAttributes
 from feeler.rows import AnyArray, read_only
+from feeler.short_reprs import shortly
 
 Floats = npt.NDArray[np.float64]
 VerdictLike: TypeAlias = Verdict | VerdictName
@@ -52,7 +53,8 @@ class Clash:
     reduce it."""
     depth_error: float
     """How much larger the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after
-    two million pieces, which takes seconds. NaN if both parts are open. Of duplicates, how far apart they can be."""
+    two million cuts of the surfaces, which takes seconds. NaN if both parts are open. Of duplicates, how far apart they
+    can be."""
     depth_kind: DepthKind
     """`"measured"`, or `"estimate"` if a surface of a part is open and so has no inside. The estimate says how deep the
     open surface lies in the closed surfaces of the other part. If neither part has a closed surface, it says how far
@@ -98,6 +100,7 @@ class Clash:
         self.__dict__.update({name: _with_one_nan(value) for name, value in state.items()})
 
 
+@shortly
 @dataclass(frozen=True, eq=False)
 class Columns:
     """The arrays of a table, a row for each finding: `a`, `b`, `depth`, `depth_error`, `translation`, `gap`, `point_a`,
@@ -173,6 +176,7 @@ SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
 """The type of each column, and the shape of a row's entry."""
 
 
+@shortly
 @documented
 @dataclass(frozen=True)
 class Facts:

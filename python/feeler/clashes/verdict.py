@@ -24,8 +24,8 @@ class Verdict(CodedEnum):
     Contained parts: a closed part that is flush with the inside of a face is contained however thin it is; in files
     that round, if it is deeper than `contact`. An open part that is nowhere deeper than `contact` is in contact, on
     either side of the face. A part that is larger than the closed hollow that it fills clashes, or is in contact if
-    `contact` allows. Parts of several pieces, solids with their hollows and connected open surfaces, get the verdict of
-    the gravest piece: clash before contained before contact, each as if it were alone. A solid that is in both parts is
+    `contact` allows. Parts of several bodies, solids with their hollows and connected open surfaces, get the verdict of
+    the gravest body: clash before contained before contact, each as if it were alone. A solid that is in both parts is
     contained; that is missed, and the parts are in contact, if another solid of one part shares a whole face with it,
     or if neither part has other solids, but open surfaces. Gaps in the seams and cracks of a closed part count as
     filled: a part that goes through a gap without touching its borders clashes, at any rotation and in any order; one

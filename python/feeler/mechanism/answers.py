@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from feeler.choices import MechanismSeatKind
 from feeler.field_docs import documented
+from feeler.short_reprs import shortly
 
 Vector = tuple[float, float, float]
 
@@ -138,6 +139,7 @@ class MechanismClearance:
         return found
 
 
+@shortly
 @documented
 @dataclass(frozen=True)
 class MechanismClashes:

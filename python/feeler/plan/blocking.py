@@ -24,6 +24,7 @@ from feeler._core import Contacts
 from feeler.depths import deepest_within
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
+from feeler.parts import PartNumber
 from feeler.plan.fasteners import NAMED, Fastener, find_fasteners
 from feeler.plan.frames import (
     SAME_PLANE,
@@ -38,7 +39,7 @@ from feeler.plan.frames import (
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit, undominated
 from feeler.progress import Progress
-from feeler.scene import PartNumber, Scene
+from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 

@@ -37,7 +37,8 @@ FINE = 0.25
 """The share of the error to which sizes of boxes at different turns are known, and that the turn may cost."""
 CENTRING = 8
 """Directions across the axis in which a wider place is sought."""
-_THIN = 1e-9  # the width of a segment that stands for a line, metres
+_THIN = 1e-9  # the width of a triangle that stands for a line, metres
+_ROUNDING = 1e-12  # of sizes, metres: what is as wide as its limit goes through
 
 
 @documented
@@ -176,7 +177,7 @@ def _fit(passage: _Passage, limit: OpeningLimit, ball: float, cylinder: float, s
         largest = passage.box(limit.height / limit.width, side, ball)[0]
     else:
         largest = ball if limit.shape == "ball" else cylinder
-    return OpeningFit(limit, largest >= limit.width, largest)
+    return OpeningFit(limit, largest >= limit.width - _ROUNDING, largest)
 
 
 class _Passage:
@@ -300,9 +301,19 @@ def _band(count: int) -> Ints:
 
 
 def _ball(scene: Scene, place: Floats, along: Floats, reach: float, most: float) -> tuple[float, int | None]:
-    """Twice the distance of its path."""
+    """Twice the distance of its path.
+
+    The triangle that stands for the path has a width, so the point that it is nearest to is taken, and its distance
+    from the path itself.
+    """
     near_by = scene.distance(_segment(along, reach), _at(place), within=0.5 * most)
-    return (math.inf, None) if near_by.part is None else (2.0 * near_by.value, int(near_by.part))
+    if near_by.part is None or near_by.point_on_mockup is None:
+        return math.inf, None
+    if near_by.value == 0.0:
+        return 0.0, int(near_by.part)
+    off = near_by.point_on_mockup - place
+    distance = float(np.linalg.norm(off - np.clip(off @ along, -reach, reach) * along))
+    return 2.0 * max(distance, near_by.value), int(near_by.part)
 
 
 def _segment(along: Floats, reach: float) -> Tool:

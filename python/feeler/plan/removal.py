@@ -69,7 +69,7 @@ class Certificate:
 
 
 @documented
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Removal(OldAttributes):
     """A path of parts out of a mock-up, or the blocking parts; true if found.
 

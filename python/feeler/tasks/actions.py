@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
+from feeler.parts import PartNumber
 from feeler.plan.blocking import DEEPER_M, DEEPER_SHARE, MOST_BLOCKERS, BlockingGraph, Joints, Mover
 from feeler.plan.question import TARGET, Clock, Direction, Question
 from feeler.plan.sequence import Exit
-from feeler.scene import PartNumber, Scene
+from feeler.scene import Scene
 from feeler.tasks.ahead import Ahead
 from feeler.tasks.captive import depth
 from feeler.tasks.carried import Carried

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import pickle
 from collections.abc import Mapping, Sequence
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,9 @@ def _content(value: Any) -> bytes:
         return b"{" + b",".join(_content(each) for item in value.items() for each in item) + b"}"
     if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
         return b"[" + b",".join(_content(each) for each in value) + b"]"
-    if value is None or isinstance(value, (str, int, float, bool)) or is_dataclass(value):
+    if value is None or isinstance(value, (str, int, float, bool)):
         return repr(value).encode()
+    if is_dataclass(value):
+        each = b",".join(_content(getattr(value, field.name)) for field in fields(value))
+        return type(value).__qualname__.encode() + b"(" + each + b")"
     return pickle.dumps(value, protocol=4)

@@ -12,9 +12,10 @@ import numpy.typing as npt
 
 from feeler.mockup import Tool
 from feeler.part_meshes import PartMeshes
+from feeler.parts import PartNumber
 from feeler.plan.fastener_names import name_of, retainer_said
 from feeler.plan.fasteners import Fastener, Fasteners
-from feeler.scene import PartNumber, Scene
+from feeler.scene import Scene
 from feeler.tasks.captive import free_travel, has_neck
 from feeler.tasks.cotters import pin_shank
 from feeler.tasks.digests import facts_of

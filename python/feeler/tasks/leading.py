@@ -10,13 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.mockup import Tool
+from feeler.parts import PartNumber
 from feeler.plan.blocking import box_of_parts, way_out
 from feeler.plan.frames import part_axes
 from feeler.plan.question import Clock, Direction
 from feeler.plan.removal import Allowed, Removal, not_tried, way_from
 from feeler.plan.sequence import Exit
 from feeler.poses import rotation
-from feeler.scene import PartNumber, Scene
+from feeler.scene import Scene
 from feeler.tasks.actions import Actions
 from feeler.tasks.ahead import WayAsked
 from feeler.tasks.elastic import RingWay

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.scene import PartNumber
+from feeler.parts import PartNumber
 from feeler.tasks.digests import short
 from feeler.tasks.regions import GROWN_M, Columns, Regions, near
 from feeler.tasks.snapshots import Changes, Snapshot

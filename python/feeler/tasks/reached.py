@@ -15,12 +15,13 @@ import numpy.typing as npt
 from feeler.arguments import shown
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Tool
+from feeler.parts import PartNumber
 from feeler.plan.catalogue import Catalogue, catalogue, tool_of
 from feeler.plan.fasteners import Fastener, Fasteners
 from feeler.plan.reach import Reach
 from feeler.plan.reaching import APPROACH_M, access, quickest
 from feeler.plan.tool_seat import seated_tool
-from feeler.scene import PartNumber, Scene
+from feeler.scene import Scene
 from feeler.tasks.digests import digest_of, facts_of
 from feeler.tasks.regions import Columns
 from feeler.tasks.times import strokes_for

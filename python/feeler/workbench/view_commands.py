@@ -401,7 +401,7 @@ class ViewCommands:
         return self.command("way_check", id=id)
 
     def way_shorten(self, id: int) -> CommandAnswer:
-        """Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end."""
+        """Asks for a shorter way of a line of the sequence, of straight legs, with the same begin and end."""
         return self.command("way_shorten", id=id)
 
     def way_keep(

@@ -1496,7 +1496,7 @@ export interface Commands {
   readonly way_take: { readonly id?: number; readonly steps?: number; readonly ways?: readonly GivenWay[] };
   /** Asks whether the way of a line of the sequence holds: at every pose, and between them. */
   readonly way_check: { readonly id: number };
-  /** Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end. */
+  /** Asks for a shorter way of a line of the sequence, of straight legs, with the same begin and end. */
   readonly way_shorten: { readonly id: number };
   /** Puts the shorter way of a card into the sequence: in place of the line's, or after it as another line. */
   readonly way_keep: {

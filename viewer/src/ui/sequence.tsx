@@ -158,7 +158,7 @@ function Line({ line, at, count }: { line: SequenceLine; at: number; count: numb
           type="button"
           class="button"
           disabled={isLocked || line.joint !== null}
-          title="Looks for a shorter way of straight pieces, and checks it"
+          title="Looks for a shorter way of straight legs, and checks it"
           onClick={() => askOfLine(wb, "way_shorten", line.id)}
         >
           Shorten it

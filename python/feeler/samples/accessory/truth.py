@@ -10,6 +10,7 @@ import json
 from dataclasses import asdict, dataclass
 
 from feeler.field_docs import documented
+from feeler.short_reprs import shortly
 
 from ...errors import OptionError
 
@@ -245,6 +246,7 @@ class Fault:
     which it lifts by its own thickness."""
 
 
+@shortly
 @documented
 @dataclass(frozen=True)
 class Truth:

@@ -20,7 +20,7 @@ def way_check(document: Document, given: Arguments, _known: Known) -> Document:
 
 
 def way_shorten(document: Document, given: Arguments, _known: Known) -> Document:
-    """Asks for a shorter way of a line of the sequence, of straight pieces, with the same begin and end."""
+    """Asks for a shorter way of a line of the sequence, of straight legs, with the same begin and end."""
     return _asked(document, given, "shorten")
 
 

@@ -120,7 +120,7 @@ def check_way(document: Document, card: Card, hands: Hands, progress: Progress) 
 
 
 def shorten_way(document: Document, card: Card, hands: Hands, progress: Progress) -> Answered:
-    """A shorter way of a line, of straight pieces that hold."""
+    """A shorter way of a line, of straight legs that hold."""
     way = LineWay(document, card, hands)
     if way.line.joint is not None:
         raise WorkbenchError("a joint has one way alone", "cards", "check it")
