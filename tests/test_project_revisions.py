@@ -273,6 +273,41 @@ def test_a_bare_name_follows_its_part(tmp_path: Path, after: list[str], now: str
     assert (asked.a, asked.b) == (now, "plate")
 
 
+def test_a_part_that_leaves_a_pattern_by_its_name_is_told(tmp_path: Path) -> None:
+    """The pattern stays, as it names other parts; what it names no more is said until the revision is accepted."""
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("requirement_add", {"name": "posts", "a": "*/posts/*", "b": "stand/peg", "gap": 0.01})
+    session.command("requirement_add", {"name": "all", "a": "stand/*", "b": "stand/posts/left", "gap": 0.01})
+    session.command("clash_settings", {"rules": '[[exclude]]\nname = "feet"\na = "*/posts/*"\nb = "stand/plate"\n'})
+    assert saved(session)["project"]["left"] == []
+    session.close()
+    now = stand([PATHS[0], "stand/beam", *PATHS[2:]])
+    told = [
+        {"pattern": "*/posts/*", "of": of, "part": "stand/beam", "was": "stand/posts/left"}
+        for of in ("requirement", "rule")
+    ]
+    with contextlib.closing(open_or_make(path, read_only=True)) as book:
+        notes = report_of(of_book(book, now), WHEN).notes
+        assert "'*/posts/*' of a requirement does not name stand/beam any more, which was stand/posts/left." in notes
+    for _ in range(2):
+        session = opened(path, now)
+        document = saved(session)
+        assert document["project"]["left"] == told
+        assert [(each["a"], each["b"]) for each in document["requirements"]] == [
+            ("*/posts/*", "stand/peg"),
+            ("stand/*", "stand/beam"),
+        ]
+        session.close()
+    session = opened(path, now)
+    session.command("accept_revision", {})
+    assert saved(session)["project"]["left"] == []
+    session.close()
+    session = opened(path, now)
+    assert saved(session)["project"]["left"] == []
+    session.close()
+
+
 def test_renamed_parts_are_listed_until_the_answers_are_of_these(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     session = opened(path)

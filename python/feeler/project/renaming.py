@@ -7,9 +7,11 @@ and patterns.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from feeler.clashes.tracking import clash_id
 from feeler.errors import FeelerError
@@ -102,6 +104,33 @@ def named_parts(pattern: str, parts: Parts) -> list[int]:
         return [int(part) for part in parts.select(pattern)]
     except (FeelerError, ValueError, RecursionError, OverflowError):
         return []
+
+
+class Left:
+    """The parts that patterns named by their former keys, and name no more by those of now."""
+
+    def __init__(self, renamed: Mapping[str, str], keys: Sequence[str], parts: Parts) -> None:
+        """renamed: the key of now by the former one. keys: of the parts, all by now."""
+        number = {key: part for part, key in enumerate(keys)} if renamed else {}
+        self._pairs = [(old, new) for old, new in renamed.items() if new in number]
+        self._now = np.array([number[new] for _, new in self._pairs], dtype=np.intp)
+        self._before, self._parts = parts_of_keys([old for old, _ in self._pairs]), parts
+
+    def of(self, pattern: str) -> list[tuple[str, str]]:
+        """Those of a pattern: their key before, and now. Of a regular expression none: see `named_parts`."""
+        if not self._pairs or pattern.startswith(_REGEX):
+            return []
+        is_named = np.zeros(len(self._parts), dtype=bool)
+        is_named[named_parts(pattern, self._parts)] = True
+        before = np.array(named_parts(pattern, self._before), dtype=np.intp)
+        return [self._pairs[each] for each in before[~is_named[self._now[before]]].tolist()]
+
+
+def parts_of_keys(keys: Sequence[str], triangles: Sequence[int] = ()) -> Parts:
+    """Parts of which names and paths alone are known, and how many triangles they have."""
+    empty = np.broadcast_to(np.array([[1.0] * 3, [0.0] * 3]), (len(keys), 2, 3))
+    counts = np.array(triangles, dtype=np.uint32) if triangles else np.zeros(len(keys), np.uint32)
+    return Parts([_last(key) for key in keys], list(keys), counts, empty)
 
 
 def renaming_changes(book: Book, names: Names) -> list[Change]:

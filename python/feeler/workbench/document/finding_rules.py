@@ -67,6 +67,15 @@ def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
     return made if is_whole else rules
 
 
+def patterns_of(rules: str) -> list[str]:
+    """The patterns of the text of rules; none where it is no rules."""
+    try:
+        made = Rules.parse(rules)
+    except FeelerError:
+        return []
+    return [*dict.fromkeys(word for rule in _all_of(made) for word in (*rule.a, *rule.b))]
+
+
 def _all_of(rules: Rules) -> list[Rule | Exclusion]:
     return [*rules.rules, *rules.exclusions]
 

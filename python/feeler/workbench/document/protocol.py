@@ -155,6 +155,15 @@ class RecordFacts(TypedDict):
     """Whether the timeline of the question "record" has gaps."""
 
 
+class LeftPattern(TypedDict):
+    """A pattern that does not name a part any more, as that has another name: its paths now and before."""
+
+    pattern: str
+    of: Literal["requirement", "rule"]
+    part: str
+    was: str
+
+
 class ProjectFacts(TypedDict):
     """The project file that the document is saved in."""
 
@@ -167,7 +176,9 @@ class ProjectFacts(TypedDict):
     gone: list[str]
     """Paths of parts that this revision lacks."""
     aside: int
-    """Removals and measures of missing parts, which only the file still has."""
+    """Removals, measures and cards of missing parts, which only the file has until these are back."""
+    left: list[LeftPattern]
+    """Patterns of requirements and rules that parts with another name have left."""
 
 
 class Loading(TypedDict):
