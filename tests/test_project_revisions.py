@@ -93,6 +93,43 @@ def test_findings_keep_what_was_said_in_a_file_with_another_name(tmp_path: Path)
         assert all(row["status"] == "reviewed" and row["note"] for row in project.findings())
 
 
+def test_what_was_said_of_hidden_findings_follows_names_too(tmp_path: Path) -> None:
+    """Of findings that a rule hides: twice another name, an edit in between, and they are listed again."""
+    path = tmp_path / "a.feelproj"
+    session = opened(path, stand(OLD))
+    session.command("clash_settings", {"clearance": 2.0})
+    take(session, "clash")
+    facts = session.document()["findings"]
+    given = {"version": facts["version"], "rows": [*range(facts["count"])], "status": "approved", "note": "seen"}
+    session.command("finding_mark", given)
+    before = said(session)
+    session.command("finding_ignore", {"name": "posts", "a": "*/posts/*", "b": "*"})
+    hidden = {*before} - {*said(session)}
+    assert len(hidden) > 1 and all("left" in pair or "right" in pair for pair in hidden)
+    saved(session)
+    session.close()
+    third = [f"engine_v3/{path}" for path in PATHS]
+    for names in (NEW, third):
+        session = opened(path, stand(names))
+        saved(session)
+        if names is NEW:
+            facts = session.document()["findings"]
+            session.command("finding_mark", {"version": facts["version"], "rows": [0], "note": "again"})
+            take(session, "clash")
+            saved(session)
+        session.close()
+    session = opened(path, stand(third))
+    session.command("clash_settings", {"rules": ""})
+    take(session, "clash")
+    now = said(session)
+    assert {pair: now[pair] for pair in hidden} == dict.fromkeys(hidden, ("approved", "seen"))
+    saved(session)
+    session.close()
+    with feeler.open_project(path) as project:
+        assert {line["status"] for line in project.history()} == {"approved"}, "nothing else was said"
+        project.document()
+
+
 def test_a_check_with_a_smaller_clearance_keeps_what_was_said(tmp_path: Path) -> None:
     path = tmp_path / "a.feelproj"
     found = []

@@ -16,7 +16,7 @@ import numpy as np
 from feeler.clashes.tracking import clash_id
 from feeler.errors import FeelerError
 from feeler.parts import Parts, escaped
-from feeler.project.book import CHECK, Book, dumps, loads, row_id
+from feeler.project.book import CHECK, PAIR, Book, dumps, loads, pair_of, row_id
 from feeler.project.parts import Revision, renamed_folders
 from feeler.project.store import Change, Row, drop, put
 
@@ -150,13 +150,24 @@ def renaming_changes(book: Book, names: Names) -> list[Change]:
     for value in every:
         if isinstance(value, dict) and (new := _new_id(value, names)) is not None and new not in known:
             ids[str(value["id"])] = new
+    pairs: dict[str, list[str]] = {}
+    marks = [(row, value) for row in book.rows("marks") if isinstance(value := book.value(row, "marks"), dict)]
+    taken = known | {str(value.get("id")) for _, value in marks}
+    for _, value in marks:
+        key, pair = value.get("id"), pair_of(value)
+        if isinstance(key, str) and key not in known and pair is not None:
+            finding = {"id": key, "rule": pair[0], "a": pair[1], "b": pair[2]}
+            if (new := _new_id(finding, names)) is not None and new not in taken:
+                ids[key] = new
+            pairs[key] = [pair[0], names.key(pair[1]), names.key(pair[2])]
     found = [*_replaced("findings", rows, lambda value: _finding(value, names, ids))]
     found += book.history_changes(ids)
-    for row in book.rows("marks") if ids else ():
-        value = book.value(row, "marks")
-        new = ids.get(str(value.get("id"))) if isinstance(value, dict) else None
-        if new is not None:
-            found += [drop("marks", row.id), put("marks", row_id(new), row.place, dumps({**value, "id": new}))]
+    for row, value in marks:
+        key = str(value.get("id"))
+        if key in ids:
+            more = {PAIR: pairs[key]} if key in pairs else {}
+            made = dumps({**value, "id": ids[key], **more})
+            found += [drop("marks", row.id), put("marks", row_id(ids[key]), row.place, made)]
     if head:
         more = {name: [_finding(each, names, ids) for each in listed] for name, listed in lists.items()}
         more |= {name: [_shape(each, names) for each in head[name]] for name in _SHAPES if _is_list(head.get(name))}
