@@ -28,6 +28,14 @@ export interface StalePart {
   readonly change: "changed" | "moved" | "new";
 }
 
+/** A pattern that does not name a part any more, as that has another name: its paths now and before. */
+export interface LeftPattern {
+  readonly pattern: string;
+  readonly of: "requirement" | "rule";
+  readonly part: string;
+  readonly was: string;
+}
+
 /** Characters of a person's name. */
 export const MOST_NAME = 40;
 
@@ -787,14 +795,6 @@ export interface RecordFacts {
   readonly at: number | null;
   /** Whether the timeline of the question "record" has gaps. */
   readonly has_gaps: boolean;
-}
-
-/** A pattern that does not name a part any more, as that has another name: its paths now and before. */
-export interface LeftPattern {
-  readonly pattern: string;
-  readonly of: "requirement" | "rule";
-  readonly part: string;
-  readonly was: string;
 }
 
 /** The project file that the document is saved in. */

@@ -34,7 +34,7 @@ from feeler.workbench.document.protocol_findings import (
 from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
 from feeler.workbench.document.protocol_task import TaskCatalogue, TaskEditKind, TaskEdits, TaskTimes
-from feeler.workbench.document.protocol_values import Camera, CameraPlace, StalePart, Vec3
+from feeler.workbench.document.protocol_values import Camera, CameraPlace, LeftPattern, StalePart, Vec3
 
 __all__ = [
     "FROM_PAGE",
@@ -153,15 +153,6 @@ class RecordFacts(TypedDict):
     """The moment that is shown, seconds of the replay; null before one was."""
     has_gaps: bool
     """Whether the timeline of the question "record" has gaps."""
-
-
-class LeftPattern(TypedDict):
-    """A pattern that does not name a part any more, as that has another name: its paths now and before."""
-
-    pattern: str
-    of: Literal["requirement", "rule"]
-    part: str
-    was: str
 
 
 class ProjectFacts(TypedDict):
