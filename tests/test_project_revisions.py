@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from test_project import revision
 from test_project_workbench import AT_HOME, WAIT_S, opened, saved
-from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, stand
+from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, at, stand
 
 import feeler
 from feeler.cli.projects import Work, take_mockup
@@ -91,6 +91,43 @@ def test_findings_keep_what_was_said_in_a_file_with_another_name(tmp_path: Path)
         assert len(project.history()) == history, "nobody said anything else"
         assert {row["id"] for row in project.history()} <= ids
         assert all(row["status"] == "reviewed" and row["note"] for row in project.findings())
+
+
+def test_what_was_said_of_hidden_findings_follows_names_too(tmp_path: Path) -> None:
+    """Of findings that a rule hides: twice another name, an edit in between, and they are listed again."""
+    path = tmp_path / "a.feelproj"
+    session = opened(path, stand(OLD))
+    session.command("clash_settings", {"clearance": 2.0})
+    take(session, "clash")
+    facts = session.document()["findings"]
+    given = {"version": facts["version"], "rows": [*range(facts["count"])], "status": "approved", "note": "seen"}
+    session.command("finding_mark", given)
+    before = said(session)
+    session.command("finding_ignore", {"name": "posts", "a": "*/posts/*", "b": "*"})
+    hidden = {*before} - {*said(session)}
+    assert len(hidden) > 1 and all("left" in pair or "right" in pair for pair in hidden)
+    saved(session)
+    session.close()
+    third = [f"engine_v3/{path}" for path in PATHS]
+    for names in (NEW, third):
+        session = opened(path, stand(names))
+        saved(session)
+        if names is NEW:
+            facts = session.document()["findings"]
+            session.command("finding_mark", {"version": facts["version"], "rows": [0], "note": "again"})
+            take(session, "clash")
+            saved(session)
+        session.close()
+    session = opened(path, stand(third))
+    session.command("clash_settings", {"rules": ""})
+    take(session, "clash")
+    now = said(session)
+    assert {pair: now[pair] for pair in hidden} == dict.fromkeys(hidden, ("approved", "seen"))
+    saved(session)
+    session.close()
+    with feeler.open_project(path) as project:
+        assert {line["status"] for line in project.history()} == {"approved"}, "nothing else was said"
+        project.document()
 
 
 def test_a_check_with_a_smaller_clearance_keeps_what_was_said(tmp_path: Path) -> None:
@@ -271,6 +308,41 @@ def test_a_bare_name_follows_its_part(tmp_path: Path, after: list[str], now: str
     with contextlib.closing(open_or_make(path, read_only=True)) as book:
         (asked,) = of_book(book, stand(after)).document.requirements
     assert (asked.a, asked.b) == (now, "plate")
+
+
+def test_a_part_that_leaves_a_pattern_by_its_name_is_told(tmp_path: Path) -> None:
+    """The pattern stays, as it names other parts; what it names no more is said until the revision is accepted."""
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    session.command("requirement_add", {"name": "posts", "a": "*/posts/*", "b": "stand/peg", "gap": 0.01})
+    session.command("requirement_add", {"name": "all", "a": "stand/*", "b": "stand/posts/left", "gap": 0.01})
+    session.command("clash_settings", {"rules": '[[exclude]]\nname = "feet"\na = "*/posts/*"\nb = "stand/plate"\n'})
+    assert saved(session)["project"]["left"] == []
+    session.close()
+    now = stand([PATHS[0], "stand/beam", *PATHS[2:]])
+    told = [
+        {"pattern": "*/posts/*", "of": of, "part": "stand/beam", "was": "stand/posts/left"}
+        for of in ("requirement", "rule")
+    ]
+    with contextlib.closing(open_or_make(path, read_only=True)) as book:
+        notes = report_of(of_book(book, now), WHEN).notes
+        assert "'*/posts/*' of a requirement does not name stand/beam any more, which was stand/posts/left." in notes
+    for _ in range(2):
+        session = opened(path, now)
+        document = saved(session)
+        assert document["project"]["left"] == told
+        assert [(each["a"], each["b"]) for each in document["requirements"]] == [
+            ("*/posts/*", "stand/peg"),
+            ("stand/*", "stand/beam"),
+        ]
+        session.close()
+    session = opened(path, now)
+    session.command("accept_revision", {})
+    assert saved(session)["project"]["left"] == []
+    session.close()
+    session = opened(path, now)
+    assert saved(session)["project"]["left"] == []
+    session.close()
 
 
 def test_renamed_parts_are_listed_until_the_answers_are_of_these(tmp_path: Path) -> None:
@@ -482,3 +554,61 @@ def test_a_requirement_whose_part_is_gone_does_not_hold(tmp_path: Path) -> None:
     assert exact["trouble"] == f"{PATHS[PEG]!r} names no part of this revision"
     assert pattern["trouble"] == "'*/pe?' names no part of this revision"
     session.close()
+
+
+def chosen(parts: list[int]) -> feeler.Mockup:
+    """Parts of the stand in another order."""
+    there = stand()
+    meshes = [there.faces[there.part_of_face == part] for part in parts]
+    return feeler.Mockup(
+        there.vertices,
+        np.concatenate(meshes),
+        np.repeat(np.arange(len(parts)), [len(faces) for faces in meshes]),
+        [there.part_names[part] for part in parts],
+        part_paths=[PATHS[part] for part in parts],
+    )
+
+
+def test_what_was_set_aside_comes_back_with_its_parts(tmp_path: Path) -> None:
+    path = tmp_path / "a.feelproj"
+    session = opened(path)
+    do = session.command
+    do("grip", {"parts": [PEG]})
+    do("place", {"pose": at(0.3, 0.3, 0.9).ravel().tolist()})
+    do("release", {})
+    do("measure_add", {"type": "parts", "parts": [PEG, RIGHT], "name": "of the peg"})
+    do("measure_add", {"type": "parts", "parts": [LEFT, RIGHT], "name": "of the posts"})
+    do("ask", {"question": "removal", "parts": [PEG]})
+    do("card_cancel", {"id": session.document()["cards"][-1]["id"]})
+    before = saved(session)
+    session.close()
+    # Without the peg, and once more with another order of its numbers.
+    without, turned = chosen([PLATE, LEFT, RIGHT, SHEET]), chosen([PEG, RIGHT, LEFT, PLATE, SHEET])
+    for mockup in (without, chosen([RIGHT, LEFT, PLATE, SHEET])):
+        session = opened(path, mockup)
+        document = saved(session)
+        assert document["project"]["aside"] == 3
+        assert (document["sequence"], document["cards"]) == ([], [])
+        assert [each["name"] for each in document["measures"]] == ["of the posts"]
+        # What is made meanwhile is another thing.
+        session.command("measure_add", {"type": "parts", "parts": [0, 1], "name": "meanwhile"})
+        session.command("undo", {})
+        saved(session)
+        if mockup is without:
+            session.command("accept_revision", {})
+            saved(session)
+        session.close()
+    for _ in range(2):
+        session = opened(path, turned)
+        back = saved(session)
+        assert back["project"]["aside"] == 0
+        (line,), (card,) = back["sequence"], back["cards"]
+        assert line["parts"] == [0] and line["way"] == before["sequence"][0]["way"] and line["stale"]
+        assert (card["parts"], card["title"]) == ([0], before["cards"][0]["title"]) and card["is_earlier"]
+        measures = {each.name: (each.parts, each.value) for each in session.current.measures}
+        values = {each["name"]: each["value"] for each in before["measures"]}
+        assert measures == {
+            "of the posts": ((2, 1), values["of the posts"]),
+            "of the peg": ((1, 0), values["of the peg"]),
+        }
+        session.close()

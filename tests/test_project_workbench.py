@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from test_project import HOSTILE, revision
-from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cube, stand
+from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, Bench, at, cube, stand
 
 import feeler
 from feeler.errors import FeelerError, LoadError, WorkbenchError
@@ -395,64 +395,6 @@ def test_a_newer_revision_says_what_is_stale_and_keeps_what_still_has_parts(tmp_
     facts = saved(session)["project"]
     assert (facts["stale"], facts["gone"], facts["aside"]) == ({}, [], 2)
     session.close()
-
-
-def chosen(parts: list[int]) -> feeler.Mockup:
-    """Parts of the stand in another order."""
-    there = stand()
-    meshes = [there.faces[there.part_of_face == part] for part in parts]
-    return feeler.Mockup(
-        there.vertices,
-        np.concatenate(meshes),
-        np.repeat(np.arange(len(parts)), [len(faces) for faces in meshes]),
-        [there.part_names[part] for part in parts],
-        part_paths=[PATHS[part] for part in parts],
-    )
-
-
-def test_what_was_set_aside_comes_back_with_its_parts(tmp_path: Path) -> None:
-    path = tmp_path / "a.feelproj"
-    session = opened(path)
-    do = session.command
-    do("grip", {"parts": [PEG]})
-    do("place", {"pose": at(0.3, 0.3, 0.9).ravel().tolist()})
-    do("release", {})
-    do("measure_add", {"type": "parts", "parts": [PEG, RIGHT], "name": "of the peg"})
-    do("measure_add", {"type": "parts", "parts": [LEFT, RIGHT], "name": "of the posts"})
-    do("ask", {"question": "removal", "parts": [PEG]})
-    do("card_cancel", {"id": session.document()["cards"][-1]["id"]})
-    before = saved(session)
-    session.close()
-    # Without the peg, and once more with another order of its numbers.
-    without, turned = chosen([PLATE, LEFT, RIGHT, SHEET]), chosen([PEG, RIGHT, LEFT, PLATE, SHEET])
-    for mockup in (without, chosen([RIGHT, LEFT, PLATE, SHEET])):
-        session = opened(path, mockup)
-        document = saved(session)
-        assert document["project"]["aside"] == 3
-        assert (document["sequence"], document["cards"]) == ([], [])
-        assert [each["name"] for each in document["measures"]] == ["of the posts"]
-        # What is made meanwhile is another thing.
-        session.command("measure_add", {"type": "parts", "parts": [0, 1], "name": "meanwhile"})
-        session.command("undo", {})
-        saved(session)
-        if mockup is without:
-            session.command("accept_revision", {})
-            saved(session)
-        session.close()
-    for _ in range(2):
-        session = opened(path, turned)
-        back = saved(session)
-        assert back["project"]["aside"] == 0
-        (line,), (card,) = back["sequence"], back["cards"]
-        assert line["parts"] == [0] and line["way"] == before["sequence"][0]["way"] and line["stale"]
-        assert (card["parts"], card["title"]) == ([0], before["cards"][0]["title"]) and card["is_earlier"]
-        measures = {each.name: (each.parts, each.value) for each in session.current.measures}
-        values = {each["name"]: each["value"] for each in before["measures"]}
-        assert measures == {
-            "of the posts": ((2, 1), values["of the posts"]),
-            "of the peg": ((1, 0), values["of the peg"]),
-        }
-        session.close()
 
 
 def test_places_of_parts_that_were_moved_before_follow_their_parts(tmp_path: Path) -> None:

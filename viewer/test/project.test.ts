@@ -5,7 +5,15 @@ import type { ProjectFacts } from "../src/link/protocol";
 import type { Finding } from "../src/model/finding-list";
 import { checkSince, findingRevision, revisionText, sinceText } from "../src/model/stale";
 
-const FACTS: ProjectFacts = { name: "a.feelproj", state: "saved", trouble: null, stale: {}, gone: [], aside: 0 };
+const FACTS: ProjectFacts = {
+  name: "a.feelproj",
+  state: "saved",
+  trouble: null,
+  stale: {},
+  gone: [],
+  aside: 0,
+  left: [],
+};
 
 test("the state of saving has words", () => {
   assert.equal(savingText(FACTS), "Saved");
@@ -20,6 +28,9 @@ test("what a revision changed is counted by kind", () => {
   assert.equal(isStale({ ...FACTS, gone: ["a"] }), true);
   const stale = { 1: "moved", 2: "changed", 7: "changed", 9: "new" } as const;
   assert.equal(staleText({ ...FACTS, stale, gone: ["a/b"] }), "2 changed, 1 moved, 1 new, 1 gone");
+  const left = [{ pattern: "pipe*", of: "rule", part: "hose", was: "pipe_1" }] as const;
+  assert.equal(isStale({ ...FACTS, left }), true);
+  assert.equal(staleText({ ...FACTS, left }), "1 left by a pattern");
 });
 
 test("a result names the parts that differ since", () => {

@@ -52,8 +52,8 @@ class Mark:
     status: one of `STATUSES`. by, note: who set it and why, or empty. approved_depth: the signed depth (metres; a gap
     is negative) at which it was approved; None if it was not, or if the next `diff` must set it. approved_error: how
     much larger that depth can be, metres; approved_verdict: the verdict then; None if an older file lacks them.
-    changed: "renamed" if the last `diff` found a part under another path, "renumbered" if only its number among equal
-    paths changed, else empty.
+    pair: of a finding that is not listed, its rule and the keys of its parts. changed: "renamed" if the last `diff`
+    found a part under another path, "renumbered" if only its number among equal paths changed, else empty.
     """
 
     status: Status = "new"
@@ -63,6 +63,7 @@ class Mark:
     changed: str = ""
     approved_error: float | None = None
     approved_verdict: VerdictName | None = None
+    pair: tuple[str, str, str] | None = None
 
 
 NEW = Mark()

@@ -35,6 +35,8 @@ from feeler.project.store import Change, Row, Store, drop, put
 
 _MARKED = ("status", "by", "note", *APPROVAL)
 """What a mark has of `tracking.Mark`. The workbench adds the number of a group that was made by hand."""
+PAIR = "pair"
+"""Of a mark whose finding is not listed: its rule and the keys of its parts, so that it follows other names."""
 _NEW = {"status": "new"}
 _RESOLVED = {"status": "resolved"}
 _FACTS = ("version", "clearance", "contact", "parts", "triangles", "files", "hidden")
@@ -138,7 +140,9 @@ class Book:
         others = {*here, *gone, *listed}
         # Findings that the workbench ignores are not listed: their marks stay.
         for key in [*here, *(key for key in known if key not in others)]:
-            more = {name: value for name, value in known.get(key, {}).items() if key not in here or name not in _MARKED}
+            is_known = key in here
+            before = known.get(key, {})
+            more = {name: value for name, value in before.items() if not is_known or name not in (*_MARKED, PAIR)}
             mark = {**here.get(key, {}), **more}
             if mark != _NEW:
                 marks[key] = mark
@@ -349,6 +353,15 @@ class Book:
     def value(self, row: Row, table: str) -> Any:
         """The value of a row of a table. Raises `LoadError`."""
         return loads(row.value, f"{self.path}: {row.id[:60]!r} of {table}")
+
+
+def pair_of(mark: Mapping[str, Any]) -> tuple[str, str, str] | None:
+    """The `pair` of a mark of a file; None if it has none."""
+    value = mark.get(PAIR)
+    if not isinstance(value, list) or len(value) != 3 or not all(isinstance(each, str) for each in value):
+        return None
+    rule, a, b = value
+    return rule, a, b
 
 
 def renamed_marks(marks: Mapping[str, dict[str, Any]], ids: Mapping[str, str]) -> dict[str, dict[str, Any]]:

@@ -7,14 +7,16 @@ and patterns.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from feeler.clashes.tracking import clash_id
 from feeler.errors import FeelerError
 from feeler.parts import Parts, escaped
-from feeler.project.book import CHECK, Book, dumps, loads, row_id
+from feeler.project.book import CHECK, PAIR, Book, dumps, loads, pair_of, row_id
 from feeler.project.parts import Revision, renamed_folders
 from feeler.project.store import Change, Row, drop, put
 
@@ -104,6 +106,33 @@ def named_parts(pattern: str, parts: Parts) -> list[int]:
         return []
 
 
+class Left:
+    """The parts that patterns named by their former keys, and name no more by those of now."""
+
+    def __init__(self, renamed: Mapping[str, str], keys: Sequence[str], parts: Parts) -> None:
+        """renamed: the key of now by the former one. keys: of the parts, all by now."""
+        number = {key: part for part, key in enumerate(keys)} if renamed else {}
+        self._pairs = [(old, new) for old, new in renamed.items() if new in number]
+        self._now = np.array([number[new] for _, new in self._pairs], dtype=np.intp)
+        self._before, self._parts = parts_of_keys([old for old, _ in self._pairs]), parts
+
+    def of(self, pattern: str) -> list[tuple[str, str]]:
+        """Those of a pattern: their key before, and now. Of a regular expression none: see `named_parts`."""
+        if not self._pairs or pattern.startswith(_REGEX):
+            return []
+        is_named = np.zeros(len(self._parts), dtype=bool)
+        is_named[named_parts(pattern, self._parts)] = True
+        before = np.array(named_parts(pattern, self._before), dtype=np.intp)
+        return [self._pairs[each] for each in before[~is_named[self._now[before]]].tolist()]
+
+
+def parts_of_keys(keys: Sequence[str], triangles: Sequence[int] = ()) -> Parts:
+    """Parts of which names and paths alone are known, and how many triangles they have."""
+    empty = np.broadcast_to(np.array([[1.0] * 3, [0.0] * 3]), (len(keys), 2, 3))
+    counts = np.array(triangles, dtype=np.uint32) if triangles else np.zeros(len(keys), np.uint32)
+    return Parts([_last(key) for key in keys], list(keys), counts, empty)
+
+
 def renaming_changes(book: Book, names: Names) -> list[Change]:
     """The changes that give findings the keys and the ids of now, with their statuses, notes, groups and history.
 
@@ -121,13 +150,24 @@ def renaming_changes(book: Book, names: Names) -> list[Change]:
     for value in every:
         if isinstance(value, dict) and (new := _new_id(value, names)) is not None and new not in known:
             ids[str(value["id"])] = new
+    pairs: dict[str, list[str]] = {}
+    marks = [(row, value) for row in book.rows("marks") if isinstance(value := book.value(row, "marks"), dict)]
+    taken = known | {str(value.get("id")) for _, value in marks}
+    for _, value in marks:
+        key, pair = value.get("id"), pair_of(value)
+        if isinstance(key, str) and key not in known and pair is not None:
+            finding = {"id": key, "rule": pair[0], "a": pair[1], "b": pair[2]}
+            if (new := _new_id(finding, names)) is not None and new not in taken:
+                ids[key] = new
+            pairs[key] = [pair[0], names.key(pair[1]), names.key(pair[2])]
     found = [*_replaced("findings", rows, lambda value: _finding(value, names, ids))]
     found += book.history_changes(ids)
-    for row in book.rows("marks") if ids else ():
-        value = book.value(row, "marks")
-        new = ids.get(str(value.get("id"))) if isinstance(value, dict) else None
-        if new is not None:
-            found += [drop("marks", row.id), put("marks", row_id(new), row.place, dumps({**value, "id": new}))]
+    for row, value in marks:
+        key = str(value.get("id"))
+        if key in ids:
+            more = {PAIR: pairs[key]} if key in pairs else {}
+            made = dumps({**value, "id": ids[key], **more})
+            found += [drop("marks", row.id), put("marks", row_id(ids[key]), row.place, made)]
     if head:
         more = {name: [_finding(each, names, ids) for each in listed] for name, listed in lists.items()}
         more |= {name: [_shape(each, names) for each in head[name]] for name in _SHAPES if _is_list(head.get(name))}

@@ -1,6 +1,6 @@
 // The project: how its saving is told, the download without one, and parts that a newer revision changed.
 
-import type { ProjectFacts } from "../link/protocol";
+import type { LeftPattern, ProjectFacts } from "../link/protocol";
 import { exportFile } from "./exports";
 import type { Workbench } from "./workbench";
 
@@ -8,7 +8,13 @@ export const project = (wb: Workbench): ProjectFacts | null => wb.store.document
 
 /** Whether parts differ from those that the answers of the project are about. */
 export const isStale = (facts: ProjectFacts | null): facts is ProjectFacts =>
-  facts !== null && (Object.keys(facts.stale).length > 0 || facts.gone.length > 0);
+  facts !== null && (Object.keys(facts.stale).length > 0 || facts.gone.length > 0 || facts.left.length > 0);
+
+/** What patterns of a requirement, or of the rules, do not name any more: "pipe* does not name hose, which was pipe_1". */
+export function leftTexts(wb: Workbench, of: LeftPattern["of"], patterns: readonly string[]): string[] {
+  const left = (project(wb)?.left ?? []).filter((each) => each.of === of && patterns.includes(each.pattern));
+  return left.map(({ pattern, part, was }) => `${pattern} does not name ${part} any more, which was ${was}.`);
+}
 
 /** How far the saving is, in words. */
 export function savingText(facts: ProjectFacts): string {
@@ -32,6 +38,8 @@ export function staleText(facts: ProjectFacts): string {
     counts.has(word) ? [`${counts.get(word)} ${word}`] : [],
   );
   if (facts.gone.length > 0) words.push(`${facts.gone.length} gone`);
+  const left = new Set(facts.left.map(({ part }) => part)).size;
+  if (left > 0) words.push(`${left} left by a pattern`);
   return words.join(", ");
 }
 
@@ -48,7 +56,10 @@ export function saveProject(wb: Workbench): unknown {
   return undefined;
 }
 
-/** Selects the parts that changed, moved or are new. */
+/** Selects the parts that changed, moved or are new, and those that patterns do not name any more. */
 export function selectStale(wb: Workbench): void {
-  wb.select(Object.keys(project(wb)?.stale ?? {}).map(Number));
+  const { stale = {}, left = [] } = project(wb) ?? {};
+  const paths = wb.store.paths.peek();
+  const renamed = left.map(({ part }) => paths.indexOf(part)).filter((part) => part >= 0);
+  wb.select([...new Set([...Object.keys(stale).map(Number), ...renamed])]);
 }

@@ -28,6 +28,14 @@ export interface StalePart {
   readonly change: "changed" | "moved" | "new";
 }
 
+/** A pattern that does not name a part any more, as that has another name: its paths now and before. */
+export interface LeftPattern {
+  readonly pattern: string;
+  readonly of: "requirement" | "rule";
+  readonly part: string;
+  readonly was: string;
+}
+
 /** Characters of a person's name. */
 export const MOST_NAME = 40;
 
@@ -799,8 +807,10 @@ export interface ProjectFacts {
   readonly stale: Readonly<Record<string, "changed" | "moved" | "new">>;
   /** Paths of parts that this revision lacks. */
   readonly gone: readonly string[];
-  /** Removals and measures of missing parts, which only the file still has. */
+  /** Removals, measures and cards of missing parts, which only the file has until these are back. */
   readonly aside: number;
+  /** Patterns of requirements and rules that parts with another name have left. */
+  readonly left: readonly LeftPattern[];
 }
 
 /** Progress of reading and indexing. */

@@ -3,9 +3,11 @@
 import { useId, useState } from "preact/hooks";
 import { openRules, setCheck } from "../actions/findings";
 import { saidOf } from "../actions/workbench";
+import type { LeftPattern } from "../link/protocol";
 import { DISTANCES_M } from "../math/units";
 import { useWorkbench } from "./context";
 import { Figure } from "./fields";
+import { Left } from "./requirements";
 
 export function CheckSettings() {
   const wb = useWorkbench();
@@ -52,6 +54,7 @@ export function CheckSettings() {
         />
         Contact within the chordal errors (STEP)
       </label>
+      <Left of="rule" patterns={leftOf(clash.rules, store.document.value?.project?.left ?? [])} />
       <RulesField key={clash.rules} value={clash.rules} />
       <button type="button" class="button" disabled={is_locked} onClick={() => openRules(wb)}>
         Open rules
@@ -59,6 +62,10 @@ export function CheckSettings() {
     </details>
   );
 }
+
+/** The patterns that are still in the text of the rules. */
+const leftOf = (rules: string, left: readonly LeftPattern[]): string[] =>
+  left.map(({ pattern }) => pattern).filter((pattern) => rules.includes(pattern));
 
 /** Rules as TOML; a mistake is told there, and the text stays to be mended. */
 function RulesField({ value }: { value: string }) {

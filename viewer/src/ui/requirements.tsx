@@ -1,5 +1,6 @@
 // Clearances that must hold: each with its patterns, its least distance, and what was found last.
 
+import { leftTexts } from "../actions/project";
 import {
   addRequirement,
   checkRequirements,
@@ -7,7 +8,7 @@ import {
   isStale,
   lookAtRequirement,
 } from "../actions/requirements";
-import type { KeptClear } from "../link/protocol";
+import type { KeptClear, LeftPattern } from "../link/protocol";
 import { DISTANCES_M, formatLength } from "../math/units";
 import { sinceText } from "../model/stale";
 import { useWorkbench } from "./context";
@@ -107,6 +108,7 @@ function RequirementCard({ requirement }: { requirement: KeptClear }) {
         disabled={is_locked}
         change={(gap) => wb.run("requirement_edit", { id, gap })}
       />
+      <Left of="requirement" patterns={[a, b]} />
       <div class="finding-line">
         <Said requirement={requirement} />
         {verdict?.status === "violated" && (
@@ -116,6 +118,19 @@ function RequirementCard({ requirement }: { requirement: KeptClear }) {
         )}
       </div>
     </li>
+  );
+}
+
+/** Which parts have left patterns by another name: nothing else tells that they are checked no more. */
+export function Left({ of, patterns }: { of: LeftPattern["of"]; patterns: readonly string[] }) {
+  return (
+    <>
+      {leftTexts(useWorkbench(), of, patterns).map((text) => (
+        <p key={text} class="note">
+          <strong class="stale">{text}</strong>
+        </p>
+      ))}
+    </>
   );
 }
 

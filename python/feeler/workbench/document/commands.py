@@ -458,9 +458,9 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
 def accept_revision(document: Document, given: Arguments, _known: Known) -> Document:
     """Accepts the present revision of the mock-up: the project's answers are about its parts from now on."""
     facts = document.project
-    if facts is None or not (facts.stale or facts.gone):
+    if facts is None or not (facts.stale or facts.gone or facts.left):
         raise WorkbenchError("no part is stale", given.command, "open a newer revision with a project")
-    return replace(document, project=replace(facts, stale=MappingProxyType({}), gone=()))
+    return replace(document, project=replace(facts, stale=MappingProxyType({}), gone=(), left=()))
 
 
 MEASURED: Shape = {"points": Maybe(list[Vec3]), "parts": Maybe(Selection), "triangles": Maybe(list[int])}

@@ -69,12 +69,26 @@ class RecordFacts:
 
 
 @dataclass(frozen=True)
+class LeftPattern:
+    """A pattern that does not name a part any more, as that has another name: its paths now and before.
+
+    of: "requirement" or "rule".
+    """
+
+    pattern: str
+    of: str
+    part: str
+    was: str
+
+
+@dataclass(frozen=True)
 class ProjectFacts:
     """The project file that the document is saved in.
 
     state: "saved", "saving", "failed" or "read only". trouble: why it is not saved. stale: "changed", "moved" or "new"
     by part, for parts that differ from those that the project's answers are about. gone: paths of missing parts.
     aside: number of removals, measures and cards of missing parts, which only the file has until these are back.
+    left: patterns of requirements and rules that parts with another name have left.
     """
 
     name: str
@@ -83,6 +97,7 @@ class ProjectFacts:
     stale: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
     gone: tuple[str, ...] = ()
     aside: int = 0
+    left: tuple[LeftPattern, ...] = ()
 
 
 @dataclass(frozen=True)

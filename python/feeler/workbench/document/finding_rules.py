@@ -20,6 +20,7 @@ from feeler.io.toml import quoted
 from feeler.parts import Parts, escaped
 from feeler.workbench.document.document import Findings
 from feeler.workbench.document.finding_table import FindingTable
+from feeler.workbench.document.findings import paired
 
 _DIGITS = re.compile(r"\d+")
 _NAME = re.compile(r"\s*name\s*=")
@@ -67,6 +68,15 @@ def renamed_rules(rules: str, pattern: Callable[[str], str]) -> str:
     return made if is_whole else rules
 
 
+def patterns_of(rules: str) -> list[str]:
+    """The patterns of the text of rules; none where it is no rules."""
+    try:
+        made = Rules.parse(rules)
+    except FeelerError:
+        return []
+    return [*dict.fromkeys(word for rule in _all_of(made) for word in (*rule.a, *rule.b))]
+
+
 def _all_of(rules: Rules) -> list[Rule | Exclusion]:
     return [*rules.rules, *rules.exclusions]
 
@@ -87,7 +97,8 @@ def excluded(found: Findings, parts: Parts, name: str, a: str, b: str) -> Findin
     mask = mask_of(found.table, parts, a, b)
     hidden = {**found.table.hidden, name: found.table.hidden.get(name, 0) + int(mask.sum())}
     names = {found.table.ids[row] for row in np.flatnonzero(mask)}
-    marks = {each: mark for each in names if (mark := found.mark_of(each)) != NEW or each in found.members}
+    said = {each: mark for each in names if (mark := found.mark_of(each)) != NEW or each in found.members}
+    marks = {each: paired(found.table, each, mark) for each, mark in said.items()}
     return replace(
         found,
         table=found.table.rows(~mask, hidden),

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from feeler.clashes import Clashes
-from feeler.clashes.tracking import mark_json, mark_of_json
+from feeler.clashes.tracking import Mark, mark_json, mark_of_json
 from feeler.errors import LoadError, MissingFileError
 from feeler.io.text import decoded, text_of
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.project.book import resolved_of
 from feeler.workbench.document.document import Check, Findings, OwnGroup
-from feeler.workbench.document.finding_table import clashes_in, lacking, table_of, table_of_clashes
+from feeler.workbench.document.finding_table import FindingTable, clashes_in, lacking, table_of, table_of_clashes
 from feeler.workbench.document.patient_json import patient_loads
 
 
@@ -133,6 +133,15 @@ def signed(found: Findings, authors: Mapping[str, str]) -> Findings:
     return replace(bare, authors=MappingProxyType({**bare.authors, **own}))
 
 
+def paired(table: FindingTable, name: str, mark: Mark) -> Mark:
+    """The mark of a finding that will not be listed, with its rule and the keys of its parts."""
+    row = table.row_of.get(name)
+    if row is None:
+        return mark
+    value = table.whole_row_json(row)
+    return replace(mark, pair=(str(value.get("rule") or ""), str(value["a"]), str(value["b"])))
+
+
 def carried(found: Findings, now: Findings | None, since: Findings | None) -> Findings:
     """Findings of a check, with what people did while it ran. since: the findings when it began."""
     if now is None:
@@ -149,7 +158,7 @@ def carried(found: Findings, now: Findings | None, since: Findings | None) -> Fi
     authors = {name: mark.by for name, mark in differ.items() if name in here}
     ended = {row["id"] for row in found.resolved}
     aside = {
-        name: mark
+        name: paired(now.table, name, mark)
         for name, mark in {**found.aside, **now.aside, **differ}.items()
         if name not in here and name not in ended
     }

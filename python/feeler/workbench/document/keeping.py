@@ -20,10 +20,10 @@ import numpy as np
 
 from feeler.clashes.limits import unmatched
 from feeler.clashes.rules import Rule, Rules
-from feeler.clashes.tracking import NEW, mark_json, mark_of_json
+from feeler.clashes.tracking import NEW, Mark, mark_json, mark_of_json
 from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
-from feeler.project.book import CHECK, Book, dumps, resolved_of, row_id
+from feeler.project.book import CHECK, PAIR, Book, dumps, pair_of, resolved_of, row_id
 from feeler.project.layout import TABLES
 from feeler.project.renaming import Names
 from feeler.project.store import Change, Row, drop, put
@@ -167,6 +167,8 @@ def finding_marks(found: Findings | None) -> dict[str, dict[str, Any]]:
 def finding_mark(found: Findings, name: str) -> dict[str, Any] | None:
     """What people said of a finding: a row of the table `marks`, without the id. None if they said nothing."""
     mark, group = mark_json(found.mark_of(name)), found.members.get(name)
+    if name in found.aside and (pair := found.aside[name].pair) is not None:
+        mark[PAIR] = list(pair)
     if group is not None:
         return {**mark, _GROUP: group}
     return None if mark == mark_json(NEW) else mark
@@ -310,13 +312,17 @@ def _marked(table: FindingTable, marks: Mapping[str, Mapping[str, Any]]) -> dict
     members = {
         name: _decoded(mark[_GROUP], int, "a group of a finding") for name, mark in marks.items() if _GROUP in mark
     }
+
+    def with_pair(name: str, mark: Mark) -> Mark:
+        return replace(mark, pair=pair_of(marks[name]))
+
     bare = Findings(table)
     found: dict[str, dict[str, Any]] = {
         "authors": {each: mark.by for each, mark in rows.items() if mark.by != bare.mark_of(each).by},
         "status": {each: mark.status for each, mark in rows.items() if mark.status != table.status_of(each)},
         "notes": {each: mark.note for each, mark in rows.items() if mark.note != table.note_of(each)},
         "members": members,
-        "aside": {each: mark for each, mark in said.items() if each not in table.row_of},
+        "aside": {each: with_pair(each, mark) for each, mark in said.items() if each not in table.row_of},
     }
     return {name: MappingProxyType(by_id) for name, by_id in found.items()}
 

@@ -34,7 +34,7 @@ from feeler.workbench.document.protocol_findings import (
 from feeler.workbench.document.protocol_joints import JointRange, Joints, JointStep, Mechanism
 from feeler.workbench.document.protocol_people import Here, Named, People, PersonMessage, Seen, Turning
 from feeler.workbench.document.protocol_task import TaskCatalogue, TaskEditKind, TaskEdits, TaskTimes
-from feeler.workbench.document.protocol_values import Camera, CameraPlace, StalePart, Vec3
+from feeler.workbench.document.protocol_values import Camera, CameraPlace, LeftPattern, StalePart, Vec3
 
 __all__ = [
     "FROM_PAGE",
@@ -167,7 +167,9 @@ class ProjectFacts(TypedDict):
     gone: list[str]
     """Paths of parts that this revision lacks."""
     aside: int
-    """Removals and measures of missing parts, which only the file still has."""
+    """Removals, measures and cards of missing parts, which only the file has until these are back."""
+    left: list[LeftPattern]
+    """Patterns of requirements and rules that parts with another name have left."""
 
 
 class Loading(TypedDict):

@@ -1,4 +1,4 @@
-"""Points, cameras and stale parts in messages: a part of `protocol.py`."""
+"""Points, cameras, stale parts and patterns in messages: a part of `protocol.py`."""
 
 from __future__ import annotations
 
@@ -28,3 +28,12 @@ class StalePart(TypedDict):
     """How a part differs from the one of the revision that a result was computed on."""
 
     change: Literal["changed", "moved", "new"]
+
+
+class LeftPattern(TypedDict):
+    """A pattern that does not name a part any more, as that has another name: its paths now and before."""
+
+    pattern: str
+    of: Literal["requirement", "rule"]
+    part: str
+    was: str

@@ -5,6 +5,7 @@ A part that a later revision has again as it was makes no result stale.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -13,9 +14,18 @@ import numpy as np
 
 from feeler.parts import Parts
 from feeler.project.parts import PartContent, Revision
-from feeler.project.renaming import named_parts
+from feeler.project.renaming import Left, named_parts
 from feeler.project.store import Row
-from feeler.workbench.document.document import Document, Findings, KeptClear, Measure, Removal, Since
+from feeler.workbench.document.document import (
+    Document,
+    Findings,
+    KeptClear,
+    LeftPattern,
+    Measure,
+    Removal,
+    Since,
+)
+from feeler.workbench.document.finding_rules import patterns_of
 
 _MOST = 2_000
 """Parts that a result names; a page lists some of them."""
@@ -41,6 +51,14 @@ def with_revision(document: Document, revision: Revision, parts: Parts) -> Docum
         sequence=tuple(_line(each, revision) for each in document.sequence),
         requirements=tuple(_requirement(each, revision, parts, selected) for each in document.requirements),
     )
+
+
+def left_patterns(document: Document, left: Left) -> tuple[LeftPattern, ...]:
+    """The patterns of requirements and rules that renamed parts have left."""
+    patterns = {(word, "requirement"): None for each in document.requirements for word in (each.a, each.b)}
+    patterns |= {(word, "rule"): None for word in patterns_of(document.clash.rules)}
+    found = (LeftPattern(pattern, of, now, was) for pattern, of in patterns for was, now in left.of(pattern))
+    return tuple(itertools.islice(found, _MOST))
 
 
 def with_older(

@@ -8,21 +8,19 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from feeler.errors import FeelerError, LoadError, WorkbenchError
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 from feeler.project.book import Book, loads
 from feeler.project.parts import PartChanges, PartContent, Revision, contents_of, revised
-from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
+from feeler.project.renaming import Left, Names, checked_contents, parts_of_keys, renaming_changes, with_changes
 from feeler.project.runs import RunFacts, shown_of
 from feeler.workbench.document import keeping, motion
 from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.cards import task_parts
 from feeler.workbench.document.document import Document, MockupFacts
 from feeler.workbench.document.frames import check
-from feeler.workbench.document.revising import with_check, with_older, with_revision
+from feeler.workbench.document.revising import left_patterns, with_check, with_older, with_revision
 from feeler.workbench.document.set_aside import Renumber
 
 _SOURCES = 1000
@@ -75,7 +73,7 @@ def of_book(
     name = _text(facts.get("name")) or (sources[0] if sources else Path(book.path).stem)
     triangles = mockup.triangle_count if mockup is not None else sum(part.triangles for part in known)
     about = MockupFacts(name, content or _text(facts.get("hash")), triangles, len(parts))
-    names = Names.of(revision)
+    names, keys = Names.of(revision), [part.key for part in revision.parts]
     rows = with_changes(book.rows, renaming_changes(book, names))
     kept = keeping.restored(
         Document(mockup=about, absent=tuple(absent)),
@@ -85,7 +83,7 @@ def of_book(
         parts,
         None if is_numbered else _numbering(revision, book.path),
         names,
-        [part.key for part in revision.parts],
+        keys,
     )
     document = with_older(kept.document, rows, known, _numbering(revision, book.path), parts)
     document = with_revision(document, revision, parts)
@@ -96,6 +94,8 @@ def of_book(
         answers = _answers(book, document, len(parts))
     elif document.cards:
         said.append("The parts have other numbers now: details of answers are left out. Ask the questions again.")
+    for each in left_patterns(document, Left(book.part_changes(revision).renamed, keys, parts)):
+        said.append(f"{each.pattern!r} of a {each.of} does not name {each.part} any more, which was {each.was}.")
     if kept.aside:
         said.append("Removals, measures and questions of parts that are gone are left out.")
     run = run_facts(book)
@@ -204,10 +204,7 @@ def _answers(book: Book, document: Document, parts: int) -> dict[int, CardAnswer
 
 def _named_parts(known: Sequence[PartContent]) -> Parts:
     """The parts of a project without its mock-up: names and paths alone."""
-    paths = [part.key for part in known]
-    empty = np.broadcast_to(np.array([[1.0] * 3, [0.0] * 3]), (len(paths), 2, 3))
-    triangles = np.array([part.triangles for part in known], dtype=np.uint32)
-    return Parts([path.rpartition("/")[2] for path in paths], paths, triangles, empty)
+    return parts_of_keys([part.key for part in known], [part.triangles for part in known])
 
 
 def _numbering(revision: Revision, where: str) -> Renumber:

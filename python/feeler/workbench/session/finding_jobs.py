@@ -257,14 +257,14 @@ def _tracked(
     marks = {**{name: then.marks.of(name) for name in then.ids}, **before.aside}
     if {*keys}.isdisjoint(then.keys):  # of another mock-up
         then = then[:0]
-    then.marks.aside = before.aside
+    then.marks.aside = {name: replace(mark, pair=None) for name, mark in before.aside.items()}
     resolved: tuple[Mapping[str, Any], ...] = ()
     if len(then) or before.aside:
         found.diff(then)
         resolved = tuple(rows_of(found.earlier().where(status="resolved")))
     here = {*found.ids, *(row["id"] for row in resolved)}
     kept = {name: mark for name, mark in marks.items() if name not in here and (mark != NEW or name in before.members)}
-    return resolved, MappingProxyType(kept)
+    return resolved, MappingProxyType({name: findings.paired(before.table, name, mark) for name, mark in kept.items()})
 
 
 def _taken(place: FindingPlace, found: Findings, gone: int, notes: list[str]) -> Taken:

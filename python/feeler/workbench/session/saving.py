@@ -20,14 +20,14 @@ from feeler.mockup import Mockup, Tool
 from feeler.project.book import Book, dumps, loads, now, open_or_make, row_id
 from feeler.project.layout import MOST_ROWS, SUFFIX
 from feeler.project.parts import PartContent, Revision, contents_of, rows_of
-from feeler.project.renaming import Names, checked_contents, renaming_changes, with_changes
+from feeler.project.renaming import Left, Names, checked_contents, renaming_changes, with_changes
 from feeler.project.settings import FIELD
 from feeler.project.store import Change, drop, put
 from feeler.project.tools import tool_change, tool_of
 from feeler.scene import Scene
 from feeler.workbench.document import keeping
 from feeler.workbench.document.document import Card, Document, ProjectFacts, ToolFacts
-from feeler.workbench.document.revising import with_check, with_older, with_revision
+from feeler.workbench.document.revising import left_patterns, with_check, with_older, with_revision
 from feeler.workbench.document.set_aside import Aside
 from feeler.workbench.engine.hand import Hands
 from feeler.workbench.session.record import digest
@@ -124,11 +124,15 @@ class Saver:
                 if row is not None:
                     hands.add(tool_of(row, project.path))
             document = _with_tool(document, opened, hands, tool_facts != project.fact("tool"))
+            renamed = project.renamed() if revision is None else project.part_changes(revision).renamed
+            keys = [part.key for part in (known if revision is None else revision.parts)]
+            left = Left(renamed, keys, scene.mockup.parts)
+            facts = replace(facts, left=left_patterns(document, left))
         facts = replace(facts, aside=len(project.rows("aside")) + len(aside) - len(back))
         hands.begin(document)
         document = replace(document, project=facts, tools=hands.names, held_version=hands.version(document))
         with self._guard:
-            self._written = there
+            self._written = None if there is None else replace(there, project=facts)
             lost = () if revision is None or revision.is_numbered_as_before else tuple(c.id for c in document.cards)
             lost += tuple(each.thing.id for each in aside if isinstance(each.thing, Card))
             self._first = lambda: self._opening(scene, opened, tool, tool_facts, revision, (aside, back), lost)
@@ -370,7 +374,7 @@ def _keys(gone: Sequence[PartContent]) -> tuple[str, ...]:
 
 def _is_stale(document: Document) -> bool:
     facts = document.project
-    return facts is not None and bool(facts.stale or facts.gone)
+    return facts is not None and bool(facts.stale or facts.gone or facts.left)
 
 
 def _object(value: Any) -> dict[str, Any]:
