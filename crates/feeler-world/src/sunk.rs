@@ -2,26 +2,25 @@
 //!
 //! They leave through the volume that they filled. This is tested at poses along a motion, so their steps are short.
 
-use std::collections::btree_map::Entry;
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use feeler_contacts::{ContactPlane, ContactSolver};
 use feeler_core::geometry::twist::times;
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
-use feeler_core::{GoOn, Point, Pose, Ray, Scene, Tool};
+use feeler_core::{GoOn, Point, Pose, Scene, Tool};
 
 use crate::constants::{
     CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_BEARING_POINTS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED,
-    MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_CAST, SEAT_TOLERANCE,
-    SLIVER_DEPTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS, TOUCH,
+    MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH,
+    STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS, TOUCH,
 };
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
 use crate::seats::{
-    beyond, crossing_outside, crossings_in_place, flush_points, pockets, surface_of_place, AtStart, Beyond, Erosion,
-    Filled, Flush, FlushAt, Inside, SeatKind, Seated,
+    beyond, crossing_outside, crossings_in_place, flush_points, pockets, surface_in, AtStart, Beyond, Erosion, Filled,
+    Flush, FlushAt, Inside, SeatKind, Seated,
 };
+use crate::solid::around_point;
 use crate::surroundings::Surroundings;
 
 /// High bits of plane ids: they keep the ids of flush points, of crossings and of contact planes apart.
@@ -67,7 +66,6 @@ impl Surroundings {
     /// Finds what of their neighbours lies beyond the places of sunk parts.
     fn know_beyond(&mut self, go_on: GoOn<'_>) -> Result<()> {
         let mut erosion = Erosion::new(&self.tool);
-        let mut surfaces: BTreeMap<(usize, u32), Tool> = BTreeMap::new();
         let mut all = Vec::with_capacity(self.makings.len());
         for (body, makings) in self.makings.iter().enumerate() {
             let mut of_body = Vec::with_capacity(makings.seats.len());
@@ -78,19 +76,15 @@ impl Surroundings {
                     continue;
                 };
                 let (mockup, place, part) = (makings.solver.scene().mockup(), self.place(body), seat.tool_part);
-                let surface = match surfaces.entry((body, part)) {
-                    Entry::Occupied(known) => known.into_mut(),
-                    Entry::Vacant(none) => none.insert(surface_of_place(place, part)?),
-                };
+                let smaller = erosion.part_with_play(part)?;
+                let neighbour = makings.solver.scene().of_one_part(seat.part);
+                let surface = surface_in(place, (part, &smaller), &neighbour, go_on)?;
                 let pair = [[part, seat.part]];
                 let met = regions.met(&pair).filter(|t| mockup.part_of_face(*t) == seat.part);
                 let met = met.map(|t| mockup.mesh().triangle(t)).collect();
                 let parts = mockup.part_bounds().len();
-                let scene = beyond(place, (part, surface), met, (seat.part, parts), go_on)?;
-                let smaller = |scene: Scene| -> Result<Beyond> {
-                    Ok(Beyond { tool: erosion.part_with_play(part)?, scene: Arc::new(scene) })
-                };
-                of_body.push(scene.map(smaller).transpose()?);
+                let scene = beyond(place, (part, surface.as_ref()), met, (seat.part, parts), go_on)?;
+                of_body.push(scene.map(|scene| Beyond { tool: smaller, scene: Arc::new(scene) }));
             }
             all.push(of_body);
         }
@@ -373,36 +367,6 @@ fn spread<T: Copy>(all: &[T], point: impl Fn(&T) -> &Point, most: usize) -> Vec<
         }
     }
     chosen
-}
-
-/// The triangle of the solid that a point is inside of, where a ray from it leaves that. Sheets beside a solid of the same part bound nothing.
-fn around_point(scene: &Scene, at: &Point, towards: &Point) -> Result<Option<u32>> {
-    let (mockup, adjacency) = (scene.mockup(), scene.mockup().adjacency());
-    let hit = |origin: Point, direction: &Point| scene.ray(&Ray { origin, direction: *direction }, f64::INFINITY, &[]);
-    let is_sheet = |t: u32| {
-        let part = mockup.part_of_face(t);
-        adjacency.outward[t as usize] == 0 && adjacency.is_open(part) && !adjacency.shells_of(part).is_empty()
-    };
-    let leaves = |t: u32, direction: &Point| {
-        let [a, b, c] = mockup.mesh().triangle(t);
-        let sign = if adjacency.outward[t as usize] < 0 { -1.0 } else { 1.0 };
-        sign * dot(&cross(&sub(&b, &a), &sub(&c, &a)), direction) > 0.0
-    };
-    // The other way first: a sheet on the surface of the solid hides it.
-    for direction in [*towards, scaled(towards, -1.0)] {
-        match hit(*at, &direction)? {
-            Some(sheet) if is_sheet(sheet.triangle) => {}
-            found => return Ok(found.map(|found| found.triangle).filter(|t| leaves(*t, &direction))),
-        }
-    }
-    let mut origin = *at;
-    while let Some(found) = hit(origin, towards)? {
-        if !is_sheet(found.triangle) {
-            return Ok(Some(found.triangle).filter(|t| leaves(*t, towards)));
-        }
-        origin = along(&found.point, SEAT_CAST / length(towards), towards);
-    }
-    Ok(None)
 }
 
 /// Of the first parts of a tool, the least mean thickness, metres: twice the volume by the area. 0 of open sheets.

@@ -78,6 +78,26 @@ fn a_thin_flange_of_a_sunk_pin_stops_at_the_thin_sheet_that_the_pin_goes_through
 }
 
 #[test]
+fn a_head_stops_at_the_plate_that_its_shank_is_sunk_in_whatever_the_gap() {
+    let gaps = [0.0, 1e-6, 1e-5, 1e-4, 3e-4, 6e-4, 9e-4];
+    for (number, gap) in gaps.into_iter().enumerate() {
+        let frame = frames()[number % 3];
+        // Through the plate, or only into it.
+        for (plate, half) in [(0.012, 0.006), (0.08, 0.04)] {
+            let middle = [0.0, 0.0, 0.006 - half];
+            let around = around(box_mesh(middle, [0.08, 0.06, plate], 1), pin(0.009, 0.006 + gap, 5e-3), &frame);
+            for verifies in [false, true] {
+                let down = far(&around, &frame, [0.0, 0.0, -0.06], verifies).expect("it stops");
+                // A tip in the solid does not go in at all.
+                let least = if plate < 0.04 { gap - NEAR } else { -NEAR };
+                assert!(down < gap + 1e-6 && down > least, "{plate} {verifies}: {down} of {gap}");
+                assert_eq!(far(&around, &frame, [0.0, 0.0, 0.06], verifies), None);
+            }
+        }
+    }
+}
+
+#[test]
 fn it_stops_there_on_a_screw_too() {
     let (above, sheet) = (0.0073, 1e-4);
     for frame in frames() {

@@ -13,7 +13,7 @@ mod seated;
 pub use find::{Allowed, Seat, SeatKind};
 pub use seated::Seated;
 
-pub(crate) use beyond::{beyond, surface_of_place, Beyond};
+pub(crate) use beyond::{beyond, surface_in, Beyond};
 pub(crate) use erosion::Erosion;
 pub(crate) use find::find_seats;
 pub(crate) use flush::{flush_points, Flush, FlushAt};
