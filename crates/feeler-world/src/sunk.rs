@@ -5,9 +5,9 @@
 use std::sync::{Arc, Mutex};
 
 use feeler_contacts::{ContactPlane, ContactSolver};
-use feeler_core::geometry::twist::times;
+use feeler_core::geometry::twist::{times, transposed};
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
-use feeler_core::{GoOn, Point, Pose, Scene, Tool};
+use feeler_core::{GoOn, Point, Pose, Scene, Tool, Triangle};
 
 use crate::constants::{
     CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_BEARING_POINTS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED,
@@ -17,8 +17,8 @@ use crate::constants::{
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
 use crate::seats::{
-    beyond, crossing_outside, crossings_in_place, flush_points, pockets, surface_in, AtStart, Beyond, Erosion, Filled,
-    Flush, FlushAt, Inside, SeatKind, Seated,
+    beyond, crossing_outside, crossings_in_place, find_around, flush_points, pockets, scene_of, surface_in, tool_of,
+    Around, AtStart, Beyond, Erosion, Filled, Flush, FlushAt, Inside, SeatKind, Seated,
 };
 use crate::solid::around_point;
 use crate::surroundings::Surroundings;
@@ -51,6 +51,9 @@ impl Surroundings {
             let seated = self.seated_at_start();
             let sunk = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
             self.filled = self.find_filled(sunk)?;
+            let tool = self.tool.clone();
+            let mut erosion = Erosion::new(&tool);
+            self.around = self.all_around(&mut erosion)?;
             let sunk = (0..).zip(seated.bodies.iter().map(|asked| asked.sunk.as_ref()));
             let flush: Vec<Vec<Flush>> = sunk
                 .map(|(body, sunk)| sunk.map_or_else(|| Ok(Vec::new()), |sunk| self.find_flush(body, sunk.scene())))
@@ -58,14 +61,13 @@ impl Surroundings {
             self.through = self.ways_through(&flush)?;
             self.flush = flush.iter().enumerate().map(|(body, flush)| self.keep_flush(body, flush)).collect();
             self.samples = self.samples_of_sunk()?;
-            self.know_beyond(go_on)?;
+            self.know_beyond(&mut erosion, go_on)?;
         }
         Ok(())
     }
 
     /// Finds what of their neighbours lies beyond the places of sunk parts.
-    fn know_beyond(&mut self, go_on: GoOn<'_>) -> Result<()> {
-        let mut erosion = Erosion::new(&self.tool);
+    fn know_beyond(&mut self, erosion: &mut Erosion<'_>, go_on: GoOn<'_>) -> Result<()> {
         let mut all = Vec::with_capacity(self.makings.len());
         for (body, makings) in self.makings.iter().enumerate() {
             let mut of_body = Vec::with_capacity(makings.seats.len());
@@ -75,16 +77,20 @@ impl Surroundings {
                     of_body.push(None);
                     continue;
                 };
-                let (mockup, place, part) = (makings.solver.scene().mockup(), self.place(body), seat.tool_part);
-                let smaller = erosion.part_with_play(part)?;
-                let neighbour = makings.solver.scene().of_one_part(seat.part);
-                let surface = surface_in(place, (part, &smaller), &neighbour, go_on)?;
-                let pair = [[part, seat.part]];
-                let met = regions.met(&pair).filter(|t| mockup.part_of_face(*t) == seat.part);
-                let met = met.map(|t| mockup.mesh().triangle(t)).collect();
+                let (scene, place, part) = (makings.solver.scene(), self.place(body), seat.tool_part);
+                let (mockup, pair) = (scene.mockup(), [part, seat.part]);
                 let parts = mockup.part_bounds().len();
-                let scene = beyond(place, (part, surface.as_ref()), met, (seat.part, parts), go_on)?;
-                of_body.push(scene.map(|scene| Beyond { tool: smaller, scene: Arc::new(scene) }));
+                if let Some(around) = self.around_of(body, pair) {
+                    of_body.push(self.beyond_around(around, regions.met_of_tool(&self.tool, pair), parts, go_on)?);
+                    continue;
+                }
+                let tool = erosion.part_with_play(part)?;
+                let surface = surface_in(place, (part, &tool), &scene.of_one_part(seat.part), go_on)?;
+                let met = regions.met(&[pair]).filter(|t| mockup.part_of_face(*t) == seat.part);
+                let met = met.map(|t| mockup.mesh().triangle(t)).collect();
+                let far = beyond(place, (part, surface.as_ref()), met, go_on)?;
+                let scene = (!far.is_empty()).then(|| scene_of(&far, vec![seat.part; far.len()], parts)).transpose()?;
+                of_body.push(scene.map(|scene| Beyond { tool, scene: Arc::new(scene) }));
             }
             all.push(of_body);
         }
@@ -92,6 +98,23 @@ impl Surroundings {
         // Answers that are remembered do not know these surfaces yet.
         self.known = Mutex::default();
         Ok(())
+    }
+
+    /// The same of a part that is around a neighbour: its own triangles that may meet that, beyond the neighbour's place, and the neighbour,
+    /// smaller by a play. `parts`: how many the neighbour's mock-up has.
+    fn beyond_around(&self, around: &Around, met: Vec<u32>, parts: usize, go_on: GoOn<'_>) -> Result<Option<Beyond>> {
+        let smaller = &around.smaller;
+        let surface = surface_in(around.place(), (0, smaller), &around.host, go_on)?;
+        let met = met.into_iter().map(|t| self.start.apply_triangle(&self.tool.mesh().triangle(t))).collect();
+        let far = beyond(around.place(), (0, surface.as_ref()), met, go_on)?;
+        if far.is_empty() {
+            return Ok(None);
+        }
+        let into_tool = |at: &Point| times(&transposed(self.start.rotation()), &sub(at, self.start.translation()));
+        let far: Vec<Triangle> = far.iter().map(|corners| corners.each_ref().map(into_tool)).collect();
+        let neighbour: Vec<Triangle> = smaller.mesh().queried().map(|t| smaller.mesh().triangle(t)).collect();
+        let scene = scene_of(&neighbour, vec![around.pair[1]; neighbour.len()], parts)?;
+        Ok(Some(Beyond { tool: Arc::new(tool_of(&far)?.with_pivot(*self.tool.pivot())), scene: Arc::new(scene) }))
     }
 
     /// The planes that hold sunk parts: the contact planes that they have penetrated, the surfaces that they are flush with, and the sides
@@ -132,13 +155,14 @@ impl Surroundings {
     pub(crate) fn planes_of_sunk(&self, body: usize, sunk: &ContactSolver, pose: &Pose) -> Result<Vec<ContactPlane>> {
         let mut planes = sunk.contacts(&self.tool, pose, 0.0, None)?.planes;
         planes.retain(|plane| {
-            let depth = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]).map_or(0.0, |seat| seat.depth);
+            let pair = [plane.tool_part(&self.tool), plane.part];
+            let depth = self.seat_of(body, pair).map_or(0.0, |seat| seat.depth);
             let is_way =
                 || self.through.get(body).into_iter().flatten().any(|way| dot(way, &plane.normal) < -THROUGH_COS);
             let is_filled = plane.tool_triangles.iter().all(|t| self.is_filled(body, *t));
             !is_filled
                 && -plane.gap > SEAT_TOLERANCE.max(SLIVER_DEPTH * depth)
-                && !(-plane.gap > FIT_DEPTH * self.size && is_way())
+                && !(-plane.gap > FIT_DEPTH * self.size_of_pair(body, pair) && is_way())
         });
         Ok(planes)
     }
@@ -154,8 +178,24 @@ impl Surroundings {
             if sign * dot(&normal, way) < LEADING_COS * length(&normal) || self.is_filled(body, t) {
                 continue;
             }
-            if around_point(scene, &along(&middle_of(&corners), SEAT_TOLERANCE, way), way)?.is_some() {
+            let before = around_point(scene, &along(&middle_of(&corners), SEAT_TOLERANCE, way), way)?;
+            let own = self.tool.part_of_face(t);
+            if before.is_some_and(|m| self.around_of(body, [own, scene.mockup().part_of_face(m)]).is_none()) {
                 return Ok(true);
+            }
+        }
+        let back = scaled(way, -1.0);
+        for around in &self.around[body] {
+            let (mesh, outward) = (around.neighbour.mesh(), &around.neighbour.adjacency().outward);
+            for t in mesh.queried().step_by(mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1)) {
+                let corners = mesh.triangle(t);
+                let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
+                let sign = if outward[t as usize] < 0 { -1.0 } else { 1.0 };
+                let leads = sign * dot(&normal, &back) >= LEADING_COS * length(&normal);
+                let before = along(&middle_of(&corners), SEAT_TOLERANCE, &back);
+                if leads && around_point(&around.host, &before, &back)?.is_some() {
+                    return Ok(true);
+                }
             }
         }
         Ok(false)
@@ -253,6 +293,32 @@ impl Surroundings {
         Ok(all)
     }
 
+    /// See `around`.
+    fn all_around(&self, erosion: &mut Erosion<'_>) -> Result<Vec<Vec<Around>>> {
+        let mut all = Vec::with_capacity(self.makings.len());
+        for makings in &self.makings {
+            let mut of_body = Vec::new();
+            for seat in makings.seats.iter().filter(|seat| seat.kind == SeatKind::Sunk) {
+                let smaller = erosion.part_with_play(seat.tool_part)?;
+                let own = (&self.start, self.tool.as_ref(), smaller.as_ref());
+                let neighbour = makings.solver.scene().of_one_part(seat.part);
+                of_body.extend(find_around([seat.tool_part, seat.part], own, &neighbour)?);
+            }
+            all.push(of_body);
+        }
+        Ok(all)
+    }
+
+    /// The part of the tool and the neighbour of a pair, where the part is around it.
+    fn around_of(&self, body: usize, pair: [u32; 2]) -> Option<&Around> {
+        self.around.get(body)?.iter().find(|around| around.pair == pair)
+    }
+
+    /// The size that a sunk pair's tolerances are shares of, metres: of what moves through the other's place.
+    pub(crate) fn size_of_pair(&self, body: usize, pair: [u32; 2]) -> f64 {
+        self.around_of(body, pair).map_or(self.size, |around| around.size)
+    }
+
     /// See `filled`; `sunk`: the sunk neighbours, by body.
     fn find_filled<'a>(&self, sunk: impl Iterator<Item = Option<&'a Scene>>) -> Result<Vec<Filled>> {
         let pockets = pockets(&self.tool, self.size);
@@ -277,7 +343,7 @@ impl Surroundings {
 
     /// What sunk parts fill of a body.
     pub(crate) fn place(&self, body: usize) -> AtStart<'_> {
-        AtStart { start: &self.start, tool: &self.tool, filled: &self.filled[body] }
+        AtStart { start: &self.start, tool: &self.tool, filled: &self.filled[body], around: &self.around[body] }
     }
 
     fn is_filled(&self, body: usize, tool_triangle: u32) -> bool {

@@ -43,9 +43,8 @@ pub fn surface_in(
             return Err(feeler_core::Error::Cancelled.into());
         }
         tried += pieces.len();
-        let (vertices, faces) = welded(pieces.as_flattened());
         let mut crossed = vec![Vec::new(); pieces.len()];
-        for [t, m] in neighbour.collide(&Tool::new(vertices, faces)?, &Pose::IDENTITY).pairs {
+        for [t, m] in neighbour.collide(&tool_of(&pieces)?, &Pose::IDENTITY).pairs {
             crossed[t as usize].push(m);
         }
         let mut cut = Vec::new();
@@ -79,8 +78,7 @@ pub fn surface_in(
     if sunk.is_empty() {
         return Ok(None);
     }
-    let (vertices, faces) = welded(sunk.as_flattened());
-    Ok(Some(Tool::new(vertices, faces)?))
+    tool_of(&sunk).map(Some)
 }
 
 /// A point and a unit normal.
@@ -162,15 +160,14 @@ fn inside(pieces: &[Triangle], neighbour: &Scene) -> Result<Vec<Triangle>> {
     Ok(found)
 }
 
-/// The pieces of some triangles of a neighbour (a part of a mock-up of `parts`) that lie beyond the place of a part of the tool: outside, and
-/// not near where it is sunk, whose surface is given ([`surface_in`]). `None` where there are none.
+/// The pieces of some triangles of a neighbour that lie beyond the place of a part of the tool: outside, and not near where it is sunk, whose
+/// surface is given ([`surface_in`]).
 pub fn beyond(
     place: AtStart<'_>,
     (part, surface): (u32, Option<&Tool>),
     triangles: Vec<Triangle>,
-    (neighbour, parts): (u32, usize),
     go_on: GoOn<'_>,
-) -> Result<Option<Scene>> {
+) -> Result<Vec<Triangle>> {
     let room = room_around(place.tool, part);
     let (mut pieces, mut far, mut tried) = (triangles, Vec::new(), 0);
     while !pieces.is_empty() {
@@ -191,18 +188,20 @@ pub fn beyond(
         far.extend(pieces.iter().zip(&is_far).filter(|(_, is_far)| **is_far).map(|(piece, _)| *piece));
         pieces = cut;
     }
-    let outside = outside(place, part, &far);
-    if outside.is_empty() {
-        return Ok(None);
-    }
-    let of_one = vec![neighbour; outside.len()];
-    scene_of(&outside, of_one, parts).map(Some)
+    Ok(outside(place, part, &far))
 }
 
-fn scene_of(pieces: &[Triangle], part_of_face: Vec<u32>, parts: usize) -> Result<Scene> {
+/// Some triangles as a scene, with the part of each.
+pub fn scene_of(pieces: &[Triangle], part_of_face: Vec<u32>, parts: usize) -> Result<Scene> {
     let (vertices, faces) = welded(pieces.as_flattened());
     let mockup = Mockup::new(vertices, faces, part_of_face, parts)?;
     Ok(Scene::build(Arc::new(mockup), &SceneOptions::default())?)
+}
+
+/// Some triangles as a tool.
+pub fn tool_of(pieces: &[Triangle]) -> Result<Tool> {
+    let (vertices, faces) = welded(pieces.as_flattened());
+    Ok(Tool::new(vertices, faces)?)
 }
 
 fn welded(corners: &[Point]) -> (Vec<Point>, Vec<[u32; 3]>) {
