@@ -55,6 +55,30 @@ def test_what_comes_out_by_itself_is_one_step(chest: feeler.Scene) -> None:
     assert order.is_found and len(order) == 1 and names(chest, order.parts) == ["cover"]
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-10])
+def test_a_flush_stack_comes_out_of_its_tray_in_any_pose(noise: float) -> None:
+    # Three blocks one before the other, open to +y; what rounding makes of their faces is deeper than none of them.
+    lengths = [0.0, 0.0395, 0.0668, 0.08]
+    walls = [((-0.005, 0.0), (-0.005, 0.085), (-0.005, 0.065)), ((0.1, 0.105), (-0.005, 0.085), (-0.005, 0.065))]
+    walls += [((-0.005, 0.105), (-0.005, 0.0), (-0.005, 0.065)), ((-0.005, 0.105), (-0.005, 0.085), (-0.005, 0.0))]
+    walls += [((-0.005, 0.105), (-0.005, 0.085), (0.06, 0.065))]
+    parts = {f"b{n}": box((0.0, lengths[n], 0.0), (0.1, lengths[n + 1], 0.06)) for n in range(3)}
+    for n, wall in enumerate(walls):
+        low, high = zip(*wall, strict=True)
+        parts[f"wall{n}"] = box(low, high)
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        turn *= np.sign(np.linalg.det(turn))
+        turned = {
+            name: (vertices @ turn.T + noise * rng.uniform(-1.0, 1.0, vertices.shape), faces)
+            for name, (vertices, faces) in parts.items()
+        }
+        scene = feeler.Scene(mockup_of(turned), threads=1)
+        order = feeler.removal_order(scene, "b0", seconds=10.0, rounds=2, threads=1, keep="wall*")
+        assert order.is_found and names(scene, order.parts) == ["b2", "b1", "b0"], seed
+
+
 def test_what_is_wanted_is_not_kept(chest: feeler.Scene) -> None:
     for keep in ("thing", ["chest", "thing"]):
         with pytest.raises(feeler.OptionError, match="'thing' is wanted and kept"):

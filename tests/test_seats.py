@@ -234,6 +234,28 @@ def test_a_bolt_through_a_plate_leaves_to_the_side_where_nothing_holds_it(head: 
     assert (dragged(scene, 0, down)[2, 3] > -1e-5) == (head > 0.0)
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-4, 1e-3])
+def test_a_plate_without_a_hole_leaves_its_bolt_along_it_alone(gap: float) -> None:
+    plate, plate_faces = box((-0.05, -0.04, -0.01), (0.06, 0.05, 0.0))
+    profile = [(0.0, -0.03), (0.005, -0.03), (0.005, gap), (0.0085, gap), (0.0085, gap + 0.005), (0.0, gap + 0.005)]
+    vertices, faces = turned_profile(profile, 24, 0.1)
+    for frame in frames()[:3]:
+        turn, place = frame[:3, :3], frame[:3, 3]
+        own = plate @ turn.T + place, plate_faces
+        scene, session = beside(own, (vertices @ turn.T + place, faces))
+        assert [seat.kind for seat in session.start(np.eye(4)).seats] == ["sunk"]
+        for way in ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)):
+            aside = [np.eye(4), shifted(0.12 * (turn @ way))]
+            most = 1.5e-3 if way[2] == 0.0 else gap + 1.1e-6
+            for end in (dragged(scene, 0, aside), gone(held(scene, own), own[0], aside, 1e-3)):
+                assert np.linalg.norm(end[:3, 3]) < most + 1e-6
+        down = [np.eye(4), shifted(-0.06 * turn[:, 2])]
+        for end in (dragged(scene, 0, down), gone(session, own[0], down, 0.002)):
+            np.testing.assert_allclose(end, down[-1], atol=5e-4)
+        found = feeler.removal(scene, 0, seconds=20.0)
+        assert found.is_found and (found.poses[-1][:3, 3] - found.poses[0][:3, 3]) @ turn[:, 2] < -0.02
+
+
 @pytest.mark.parametrize("below", [0.0, 1e-12, 1e-3])
 def test_a_bolt_that_is_flush_with_a_solid_does_not_slide_through_it(below: float) -> None:
     profile = [(0.0, -0.04), (0.005, -0.04), (0.005, 0.0), (0.0085, 0.0), (0.0085, 0.005), (0.0, 0.005)]

@@ -130,14 +130,16 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "ask": {"constants", "error", "environment"},
         # Flat faces, bores, fillets.
         "surfaces": {"constants"},
+        # Whether a point is in a solid.
+        "solid": {"constants", "error"},
         # What meets at the start, and what may meet until it parts.
-        "seats": {"constants", "error", "surfaces"},
+        "seats": {"constants", "error", "surfaces", "solid"},
         # The tool among the bodies, with its seats.
         "surroundings": {"constants", "error", "environment", "seats"},
         # How much deeper what is shallow gets.
         "deeper": {"constants", "error", "seats", "surroundings"},
         # Parts without holes.
-        "sunk": {"constants", "error", "environment", "seats", "surroundings"},
+        "sunk": {"constants", "error", "environment", "seats", "solid", "surroundings"},
         # Motions as far as they are free.
         "walk": {"constants", "error", "environment", "ask", "seats", "surroundings"},
         # A tool that contact stops.

@@ -83,7 +83,15 @@ pub const PLACE_SHARE: f64 = 0.02;
 /// pieces.
 pub const BEYOND_GRAIN: f64 = 0.5;
 
-/// Most pieces that a neighbour's surface is cut into to find what lies beyond a place. Fewer: more of a surface that is near a large place all
+/// Most planes of a neighbour's faces at which a triangle of a sunk part is cut, to find what of it is in the neighbour. Fewer: more is cut
+/// at its middle, until it is small.
+pub const MOST_CUTS: usize = 4;
+
+/// Points no farther than this from a plane, metres, are in it: above rounding in a mock-up of a kilometre. Larger: what is in a neighbour
+/// ends so far off its surface.
+pub const SAME_PLANE: f64 = 1e-9;
+
+/// Most pieces that a surface is cut into to find what lies beyond a place. Fewer: more of a surface that is near a large place all
 /// over is looked at.
 pub const MOST_BEYOND_PIECES: usize = 100_000;
 

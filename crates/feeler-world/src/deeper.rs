@@ -41,7 +41,7 @@ impl Surroundings {
         let mut shallow = Vec::new();
         for seat in self.makings[body].seats.iter().filter(|seat| seat.kind == SeatKind::Sunk) {
             let most = self.most_depth(body, seat.part, go_on)?;
-            if most <= FIT_DEPTH * self.size {
+            if most <= FIT_DEPTH * self.size_of_pair(body, [seat.tool_part, seat.part]) {
                 shallow.push((seat.part, most));
             }
         }

@@ -46,6 +46,7 @@ mod deeper;
 mod environment;
 mod error;
 mod seats;
+mod solid;
 mod stop;
 mod sunk;
 mod surfaces;

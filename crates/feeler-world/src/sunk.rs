@@ -2,26 +2,25 @@
 //!
 //! They leave through the volume that they filled. This is tested at poses along a motion, so their steps are short.
 
-use std::collections::btree_map::Entry;
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use feeler_contacts::{ContactPlane, ContactSolver};
-use feeler_core::geometry::twist::times;
+use feeler_core::geometry::twist::{times, transposed};
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
-use feeler_core::{GoOn, Point, Pose, Ray, Scene, Tool};
+use feeler_core::{GoOn, Point, Pose, Scene, Tool, Triangle};
 
 use crate::constants::{
     CORNER_SHARE, FACE_ANGLE_COS, FIT_DEPTH, LEADING_COS, MOST_BEARING_POINTS, MOST_FLUSH_POINTS, MOST_FLUSH_TRIED,
-    MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_CAST, SEAT_TOLERANCE,
-    SLIVER_DEPTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS, TOUCH,
+    MOST_PLACE_CORNERS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH,
+    STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS, TOUCH,
 };
 use crate::environment::{id_in_body, Plane};
 use crate::error::Result;
 use crate::seats::{
-    beyond, crossing_outside, crossings_in_place, flush_points, pockets, surface_of_place, AtStart, Beyond, Erosion,
-    Filled, Flush, FlushAt, Inside, SeatKind, Seated,
+    beyond, crossing_outside, crossings_in_place, find_around, flush_points, pockets, scene_of, surface_in, tool_of,
+    Around, AtStart, Beyond, Erosion, Filled, Flush, FlushAt, Inside, SeatKind, Seated,
 };
+use crate::solid::around_point;
 use crate::surroundings::Surroundings;
 
 /// High bits of plane ids: they keep the ids of flush points, of crossings and of contact planes apart.
@@ -52,6 +51,9 @@ impl Surroundings {
             let seated = self.seated_at_start();
             let sunk = seated.bodies.iter().map(|asked| asked.sunk.as_ref().map(|sunk| sunk.scene().as_ref()));
             self.filled = self.find_filled(sunk)?;
+            let tool = self.tool.clone();
+            let mut erosion = Erosion::new(&tool);
+            self.around = self.all_around(&mut erosion)?;
             let sunk = (0..).zip(seated.bodies.iter().map(|asked| asked.sunk.as_ref()));
             let flush: Vec<Vec<Flush>> = sunk
                 .map(|(body, sunk)| sunk.map_or_else(|| Ok(Vec::new()), |sunk| self.find_flush(body, sunk.scene())))
@@ -59,15 +61,13 @@ impl Surroundings {
             self.through = self.ways_through(&flush)?;
             self.flush = flush.iter().enumerate().map(|(body, flush)| self.keep_flush(body, flush)).collect();
             self.samples = self.samples_of_sunk()?;
-            self.know_beyond(go_on)?;
+            self.know_beyond(&mut erosion, go_on)?;
         }
         Ok(())
     }
 
     /// Finds what of their neighbours lies beyond the places of sunk parts.
-    fn know_beyond(&mut self, go_on: GoOn<'_>) -> Result<()> {
-        let mut erosion = Erosion::new(&self.tool);
-        let mut surfaces: BTreeMap<(usize, u32), Tool> = BTreeMap::new();
+    fn know_beyond(&mut self, erosion: &mut Erosion<'_>, go_on: GoOn<'_>) -> Result<()> {
         let mut all = Vec::with_capacity(self.makings.len());
         for (body, makings) in self.makings.iter().enumerate() {
             let mut of_body = Vec::with_capacity(makings.seats.len());
@@ -77,20 +77,20 @@ impl Surroundings {
                     of_body.push(None);
                     continue;
                 };
-                let (mockup, place, part) = (makings.solver.scene().mockup(), self.place(body), seat.tool_part);
-                let surface = match surfaces.entry((body, part)) {
-                    Entry::Occupied(known) => known.into_mut(),
-                    Entry::Vacant(none) => none.insert(surface_of_place(place, part)?),
-                };
-                let pair = [[part, seat.part]];
-                let met = regions.met(&pair).filter(|t| mockup.part_of_face(*t) == seat.part);
-                let met = met.map(|t| mockup.mesh().triangle(t)).collect();
+                let (scene, place, part) = (makings.solver.scene(), self.place(body), seat.tool_part);
+                let (mockup, pair) = (scene.mockup(), [part, seat.part]);
                 let parts = mockup.part_bounds().len();
-                let scene = beyond(place, (part, surface), met, (seat.part, parts), go_on)?;
-                let smaller = |scene: Scene| -> Result<Beyond> {
-                    Ok(Beyond { tool: erosion.part_with_play(part)?, scene: Arc::new(scene) })
-                };
-                of_body.push(scene.map(smaller).transpose()?);
+                if let Some(around) = self.around_of(body, pair) {
+                    of_body.push(self.beyond_around(around, regions.met_of_tool(&self.tool, pair), parts, go_on)?);
+                    continue;
+                }
+                let tool = erosion.part_with_play(part)?;
+                let surface = surface_in(place, (part, &tool), &scene.of_one_part(seat.part), go_on)?;
+                let met = regions.met(&[pair]).filter(|t| mockup.part_of_face(*t) == seat.part);
+                let met = met.map(|t| mockup.mesh().triangle(t)).collect();
+                let far = beyond(place, (part, surface.as_ref()), met, go_on)?;
+                let scene = (!far.is_empty()).then(|| scene_of(&far, vec![seat.part; far.len()], parts)).transpose()?;
+                of_body.push(scene.map(|scene| Beyond { tool, scene: Arc::new(scene) }));
             }
             all.push(of_body);
         }
@@ -98,6 +98,23 @@ impl Surroundings {
         // Answers that are remembered do not know these surfaces yet.
         self.known = Mutex::default();
         Ok(())
+    }
+
+    /// The same of a part that is around a neighbour: its own triangles that may meet that, beyond the neighbour's place, and the neighbour,
+    /// smaller by a play. `parts`: how many the neighbour's mock-up has.
+    fn beyond_around(&self, around: &Around, met: Vec<u32>, parts: usize, go_on: GoOn<'_>) -> Result<Option<Beyond>> {
+        let smaller = &around.smaller;
+        let surface = surface_in(around.place(), (0, smaller), &around.host, go_on)?;
+        let met = met.into_iter().map(|t| self.start.apply_triangle(&self.tool.mesh().triangle(t))).collect();
+        let far = beyond(around.place(), (0, surface.as_ref()), met, go_on)?;
+        if far.is_empty() {
+            return Ok(None);
+        }
+        let into_tool = |at: &Point| times(&transposed(self.start.rotation()), &sub(at, self.start.translation()));
+        let far: Vec<Triangle> = far.iter().map(|corners| corners.each_ref().map(into_tool)).collect();
+        let neighbour: Vec<Triangle> = smaller.mesh().queried().map(|t| smaller.mesh().triangle(t)).collect();
+        let scene = scene_of(&neighbour, vec![around.pair[1]; neighbour.len()], parts)?;
+        Ok(Some(Beyond { tool: Arc::new(tool_of(&far)?.with_pivot(*self.tool.pivot())), scene: Arc::new(scene) }))
     }
 
     /// The planes that hold sunk parts: the contact planes that they have penetrated, the surfaces that they are flush with, and the sides
@@ -138,13 +155,14 @@ impl Surroundings {
     pub(crate) fn planes_of_sunk(&self, body: usize, sunk: &ContactSolver, pose: &Pose) -> Result<Vec<ContactPlane>> {
         let mut planes = sunk.contacts(&self.tool, pose, 0.0, None)?.planes;
         planes.retain(|plane| {
-            let depth = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]).map_or(0.0, |seat| seat.depth);
+            let pair = [plane.tool_part(&self.tool), plane.part];
+            let depth = self.seat_of(body, pair).map_or(0.0, |seat| seat.depth);
             let is_way =
                 || self.through.get(body).into_iter().flatten().any(|way| dot(way, &plane.normal) < -THROUGH_COS);
             let is_filled = plane.tool_triangles.iter().all(|t| self.is_filled(body, *t));
             !is_filled
                 && -plane.gap > SEAT_TOLERANCE.max(SLIVER_DEPTH * depth)
-                && !(-plane.gap > FIT_DEPTH * self.size && is_way())
+                && !(-plane.gap > FIT_DEPTH * self.size_of_pair(body, pair) && is_way())
         });
         Ok(planes)
     }
@@ -160,8 +178,24 @@ impl Surroundings {
             if sign * dot(&normal, way) < LEADING_COS * length(&normal) || self.is_filled(body, t) {
                 continue;
             }
-            if around_point(scene, &along(&middle_of(&corners), SEAT_TOLERANCE, way), way)?.is_some() {
+            let before = around_point(scene, &along(&middle_of(&corners), SEAT_TOLERANCE, way), way)?;
+            let own = self.tool.part_of_face(t);
+            if before.is_some_and(|m| self.around_of(body, [own, scene.mockup().part_of_face(m)]).is_none()) {
                 return Ok(true);
+            }
+        }
+        let back = scaled(way, -1.0);
+        for around in &self.around[body] {
+            let (mesh, outward) = (around.neighbour.mesh(), &around.neighbour.adjacency().outward);
+            for t in mesh.queried().step_by(mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1)) {
+                let corners = mesh.triangle(t);
+                let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
+                let sign = if outward[t as usize] < 0 { -1.0 } else { 1.0 };
+                let leads = sign * dot(&normal, &back) >= LEADING_COS * length(&normal);
+                let before = along(&middle_of(&corners), SEAT_TOLERANCE, &back);
+                if leads && around_point(&around.host, &before, &back)?.is_some() {
+                    return Ok(true);
+                }
             }
         }
         Ok(false)
@@ -259,6 +293,32 @@ impl Surroundings {
         Ok(all)
     }
 
+    /// See `around`.
+    fn all_around(&self, erosion: &mut Erosion<'_>) -> Result<Vec<Vec<Around>>> {
+        let mut all = Vec::with_capacity(self.makings.len());
+        for makings in &self.makings {
+            let mut of_body = Vec::new();
+            for seat in makings.seats.iter().filter(|seat| seat.kind == SeatKind::Sunk) {
+                let smaller = erosion.part_with_play(seat.tool_part)?;
+                let own = (&self.start, self.tool.as_ref(), smaller.as_ref());
+                let neighbour = makings.solver.scene().of_one_part(seat.part);
+                of_body.extend(find_around([seat.tool_part, seat.part], own, &neighbour)?);
+            }
+            all.push(of_body);
+        }
+        Ok(all)
+    }
+
+    /// The part of the tool and the neighbour of a pair, where the part is around it.
+    fn around_of(&self, body: usize, pair: [u32; 2]) -> Option<&Around> {
+        self.around.get(body)?.iter().find(|around| around.pair == pair)
+    }
+
+    /// The size that a sunk pair's tolerances are shares of, metres: of what moves through the other's place.
+    pub(crate) fn size_of_pair(&self, body: usize, pair: [u32; 2]) -> f64 {
+        self.around_of(body, pair).map_or(self.size, |around| around.size)
+    }
+
     /// See `filled`; `sunk`: the sunk neighbours, by body.
     fn find_filled<'a>(&self, sunk: impl Iterator<Item = Option<&'a Scene>>) -> Result<Vec<Filled>> {
         let pockets = pockets(&self.tool, self.size);
@@ -283,7 +343,7 @@ impl Surroundings {
 
     /// What sunk parts fill of a body.
     pub(crate) fn place(&self, body: usize) -> AtStart<'_> {
-        AtStart { start: &self.start, tool: &self.tool, filled: &self.filled[body] }
+        AtStart { start: &self.start, tool: &self.tool, filled: &self.filled[body], around: &self.around[body] }
     }
 
     fn is_filled(&self, body: usize, tool_triangle: u32) -> bool {
@@ -373,36 +433,6 @@ fn spread<T: Copy>(all: &[T], point: impl Fn(&T) -> &Point, most: usize) -> Vec<
         }
     }
     chosen
-}
-
-/// The triangle of the solid that a point is inside of, where a ray from it leaves that. Sheets beside a solid of the same part bound nothing.
-fn around_point(scene: &Scene, at: &Point, towards: &Point) -> Result<Option<u32>> {
-    let (mockup, adjacency) = (scene.mockup(), scene.mockup().adjacency());
-    let hit = |origin: Point, direction: &Point| scene.ray(&Ray { origin, direction: *direction }, f64::INFINITY, &[]);
-    let is_sheet = |t: u32| {
-        let part = mockup.part_of_face(t);
-        adjacency.outward[t as usize] == 0 && adjacency.is_open(part) && !adjacency.shells_of(part).is_empty()
-    };
-    let leaves = |t: u32, direction: &Point| {
-        let [a, b, c] = mockup.mesh().triangle(t);
-        let sign = if adjacency.outward[t as usize] < 0 { -1.0 } else { 1.0 };
-        sign * dot(&cross(&sub(&b, &a), &sub(&c, &a)), direction) > 0.0
-    };
-    // The other way first: a sheet on the surface of the solid hides it.
-    for direction in [*towards, scaled(towards, -1.0)] {
-        match hit(*at, &direction)? {
-            Some(sheet) if is_sheet(sheet.triangle) => {}
-            found => return Ok(found.map(|found| found.triangle).filter(|t| leaves(*t, &direction))),
-        }
-    }
-    let mut origin = *at;
-    while let Some(found) = hit(origin, towards)? {
-        if !is_sheet(found.triangle) {
-            return Ok(Some(found.triangle).filter(|t| leaves(*t, towards)));
-        }
-        origin = along(&found.point, SEAT_CAST / length(towards), towards);
-    }
-    Ok(None)
 }
 
 /// Of the first parts of a tool, the least mean thickness, metres: twice the volume by the area. 0 of open sheets.

@@ -10,7 +10,7 @@ use feeler_core::{Aabb, Closest, GoOn, Point, Pose, Scene, Tool};
 use crate::constants::{EXIT_MARGIN, STEPS_A_LENGTH};
 use crate::environment::{id_in_body, Body, Environment, Pair};
 use crate::error::Result;
-use crate::seats::{find_seats, Allowed, Filled, Flush, Makings, Seat, SeatKind, Seated};
+use crate::seats::{find_seats, Allowed, Around, Filled, Flush, Makings, Seat, SeatKind, Seated};
 
 /// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
@@ -39,6 +39,8 @@ pub struct Surroundings {
     pub(crate) samples: Vec<Vec<(u32, Point)>>,
     /// By body: the pockets of the tool that the neighbours' solid fills at the start.
     pub(crate) filled: Vec<Filled>,
+    /// By body: parts of the tool that are around a sunk neighbour.
+    pub(crate) around: Vec<Vec<Around>>,
     /// By body: points of sunk parts that are flush with the neighbour at the start.
     pub(crate) flush: Vec<Vec<Flush>>,
     /// By body: its parts that are in the tool at the start, and the depth by points, metres.
@@ -114,6 +116,7 @@ impl Surroundings {
             through: Vec::new(),
             samples: Vec::new(),
             filled: Vec::new(),
+            around: Vec::new(),
             flush: Vec::new(),
             start_depths: OnceLock::new(),
             tool,

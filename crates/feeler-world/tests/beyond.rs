@@ -78,6 +78,26 @@ fn a_thin_flange_of_a_sunk_pin_stops_at_the_thin_sheet_that_the_pin_goes_through
 }
 
 #[test]
+fn a_head_stops_at_the_plate_that_its_shank_is_sunk_in_whatever_the_gap() {
+    let gaps = [0.0, 1e-6, 1e-5, 1e-4, 3e-4, 6e-4, 9e-4];
+    for (number, gap) in gaps.into_iter().enumerate() {
+        let frame = frames()[number % 3];
+        // Through the plate, or only into it.
+        for (plate, half) in [(0.012, 0.006), (0.08, 0.04)] {
+            let middle = [0.0, 0.0, 0.006 - half];
+            let around = around(box_mesh(middle, [0.08, 0.06, plate], 1), pin(0.009, 0.006 + gap, 5e-3), &frame);
+            for verifies in [false, true] {
+                let down = far(&around, &frame, [0.0, 0.0, -0.06], verifies).expect("it stops");
+                // A tip in the solid does not go in at all.
+                let least = if plate < 0.04 { gap - NEAR } else { -NEAR };
+                assert!(down < gap + 1e-6 && down > least, "{plate} {verifies}: {down} of {gap}");
+                assert_eq!(far(&around, &frame, [0.0, 0.0, 0.06], verifies), None);
+            }
+        }
+    }
+}
+
+#[test]
 fn it_stops_there_on_a_screw_too() {
     let (above, sheet) = (0.0073, 1e-4);
     for frame in frames() {
@@ -123,4 +143,44 @@ fn a_flush_floor_beyond_the_place_does_not_hold_a_part_that_is_sunk_at_one_end()
     // Beyond the 2 % to 3 % of its size, where it is cast; exactly flush faces count as crossing in the end.
     let along = far(&around, &Pose::IDENTITY, [0.1, 0.0, 0.0], false);
     assert!(along.is_none_or(|along| along > 0.02), "{along:?}");
+}
+
+/// A pin of radius 4 mm along z between two heights, with a head of 9 mm above a height where there is one.
+fn bolt(low: f64, high: f64, head: Option<f64>) -> Arrays {
+    let mut profile = vec![[1e-4, low], [0.004, low]];
+    profile.extend(head.into_iter().flat_map(|under| [[0.004, under], [0.009, under]]));
+    profile.extend([[if head.is_some() { 0.009 } else { 0.004 }, high], [1e-4, high]]);
+    lathe(&profile, 24, 0.1)
+}
+
+#[test]
+fn a_plate_comes_off_a_solid_bolt_along_it_and_not_sideways() {
+    // The plate moves: from 6 mm below to 6 mm above the middle, or thin as a sheet, and small or large.
+    for (number, (half, wide)) in [(0.006, 0.04), (0.0004, 0.08), (0.003, 0.4)].into_iter().enumerate() {
+        let frame = frames()[number];
+        let plate = || box_mesh([0.003, 0.001, 0.0], [wide, 0.8 * wide, 2.0 * half], 1);
+        let held = |bolt: Arrays, ways: &[Point]| {
+            let around = around(bolt, plate(), &frame);
+            for way in ways {
+                for verifies in [false, true] {
+                    let by = far(&around, &frame, *way, verifies).expect("it stops");
+                    assert!(by < 1.5e-3, "{number} {way:?}: {by}");
+                }
+            }
+            around
+        };
+        let (aside, high) = ([[wide, 0.0, 0.0], [-wide, 0.0, 0.0], [0.0, wide, 0.0]], half + 0.008);
+        let (up, down) = ([0.0, 0.0, 0.05], [0.0, 0.0, -0.05]);
+        let through = held(bolt(-high, high, None), &aside);
+        assert_eq!([up, down].map(|way| far(&through, &frame, way, true)), [None, None]);
+        for gap in [0.0, 1e-5, 5e-4] {
+            let headed = held(bolt(-high, high, Some(half + gap)), &aside);
+            assert_eq!(far(&headed, &frame, down, true), None);
+            let free = far(&headed, &frame, up, true).expect("it stops");
+            assert!(free < gap + 1e-6 && free > gap - NEAR, "{number} {gap}: {free}");
+        }
+        // In a bore without a hole: off its end alone.
+        let blind = held(bolt(-high, 0.3 * half, None), &aside[..1]);
+        assert!(far(&blind, &frame, up, true).is_none() && far(&blind, &frame, down, true).is_some());
+    }
 }

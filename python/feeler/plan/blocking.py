@@ -52,6 +52,9 @@ STOPPED_SHARE = 1e-2
 """How far a part is cast to see whether a touching one stops it, in its sizes."""
 OPPOSED = 1e-3
 """A touching plane blocks directions whose cosine against its normal exceeds this."""
+ALONG = 1e-8
+"""A direction whose cosine against a contact's normal is at most this is along its faces: directions have nine digits,
+so a long way leads into them by rounding."""
 MOST_NORMALS, FIRST_NORMALS, MOST_DIRECTIONS = 8, 3, 26
 """Contact normals, those that come before the directions along two, and directions, per part. A larger value finds more
 motions of crowded parts, and takes longer."""
@@ -600,11 +603,16 @@ class Mover:
                 return [first, hits, True]
             passed.add(hit.part)
             pose = hit.pose
-            is_rounding = hit.part in self.flush and _is_at_start(pose)
+            is_rounding = hit.part in self.flush and (_is_at_start(pose) or self._slides(direction, hit.part))
             if not (self.graph.overlap or is_rounding) or self._deeper(direction, {hit.part}):
                 found.add(hit.part)
                 hits.append(PartNumber(hit.part))
         return [first, hits, False]
+
+    def _slides(self, direction: Direction, part: int) -> bool:
+        """Whether it moves along a face of a flush part: it may come into it by rounding anywhere on its way."""
+        normals = self.contacts.normals[(self.contacts.parts == part) & (np.abs(self.contacts.gaps) <= TOUCH_M)]
+        return bool((np.abs(normals @ np.array(direction)) <= ALONG).any())
 
     def _deeper(self, direction: Direction, parts: set[int], most: int = sys.maxsize) -> set[int]:
         """The parts that it enters deeper along a direction than at the start, by samples; not all of them if the time

@@ -112,6 +112,13 @@ impl Regions {
         self.body.numbers.all().filter(move |(_, surface)| surfaces.contains(surface)).map(|(triangle, _)| triangle)
     }
 
+    /// The triangles of a part of the tool that a neighbour may meet, ascending.
+    pub fn met_of_tool(&self, tool: &Tool, pair: [u32; 2]) -> Vec<u32> {
+        let surfaces: BTreeSet<u32> = self.pairs(&[pair]).map(|[surface, _]| surface).collect();
+        let all = self.tool.numbers.all().filter(|(_, surface)| surfaces.contains(surface));
+        all.map(|(triangle, _)| triangle).filter(|t| tool.part_of_face(*t) == pair[0]).collect()
+    }
+
     fn new(scene: &Scene, tool: &Tool, seats: &[Seat], met: &[[u32; 2]]) -> Regions {
         let mockup = scene.mockup();
         let mut of_parts: Vec<u32> = seats.iter().map(|seat| seat.part).collect();

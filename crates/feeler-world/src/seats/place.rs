@@ -6,8 +6,11 @@
 //! grooves. The same holds for each sample of the tool's surface while it is inside the neighbour: where faces are
 //! flush, surfaces need not cross.
 
+use std::sync::Arc;
+
+use feeler_core::geometry::twist::{times, transposed};
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
-use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Tool, Triangle};
+use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Scene, Tool, Triangle};
 
 use super::pockets::Filled;
 use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, MOST_PLACE_ROWS, PLACE_SHARE, SEAT_TOLERANCE};
@@ -30,12 +33,56 @@ pub struct AtStart<'a> {
     pub tool: &'a Tool,
     /// Its pockets that are a part of its place.
     pub filled: &'a Filled,
+    /// Where the tool has the place, and a neighbour moves through it.
+    pub around: &'a [Around],
 }
 
 impl AtStart<'_> {
+    /// How a pair of triangles of the tool and a mock-up belongs to a part that is around a neighbour.
+    fn around(&self, mockup: &Mockup, [t, m]: [u32; 2]) -> Option<&Around> {
+        let pair = || [self.tool.part_of_face(t), mockup.part_of_face(m)];
+        (!self.around.is_empty()).then(pair).and_then(|pair| self.around.iter().find(|around| around.pair == pair))
+    }
+
     /// The surface of the place of a part of the tool, world.
     fn surface(&self, part: u32) -> impl Iterator<Item = Triangle> + '_ {
         self.filled.surface(self.tool, part).map(|corners| self.start.apply_triangle(&corners))
+    }
+}
+
+/// A part of the tool that is around a neighbour, such as a plate that is drawn through by a solid bolt. It has no hole in the model, and the
+/// place that the neighbour fills in it is the hole. So all that holds for a sunk part holds for the neighbour, as it moves relative to the
+/// part: a plate comes off along its bolt, and not sideways.
+#[derive(Debug)]
+pub struct Around {
+    /// `[tool part, part]`.
+    pub pair: [u32; 2],
+    /// The neighbour alone, world.
+    pub neighbour: Tool,
+    /// The same, smaller by a play.
+    pub smaller: Arc<Tool>,
+    /// The diagonal of its box, metres.
+    pub size: f64,
+    /// The part of the tool alone at the start, world.
+    pub host: Scene,
+    /// Pockets of the neighbour count as they are.
+    pub none: Filled,
+}
+
+impl Around {
+    /// The place of the neighbour.
+    pub fn place(&self) -> AtStart<'_> {
+        AtStart { start: &Pose::IDENTITY, tool: &self.neighbour, filled: &self.none, around: &[] }
+    }
+
+    /// Where in the neighbour's place a point is that moved with the part.
+    fn back(&self, at: &Point, start: &Pose, pose: &Pose) -> Point {
+        start.apply(&times(&transposed(pose.rotation()), &sub(at, pose.translation())))
+    }
+
+    /// Whether such a point is outside of the neighbour's place.
+    fn is_out(&self, back: &Point) -> bool {
+        !is_in(self.place(), 0, back, room_around(&self.neighbour, 0))
     }
 }
 
@@ -54,7 +101,7 @@ pub fn crossing_outside(
     let stride = pairs.len().div_ceil(most).max(1);
     let is_out = |sample: &&Inside| {
         let own = tool.part_of_face(sample.triangles[0]);
-        !is_in(place, own, &sample.at, room_around(tool, own))
+        place.around(mockup, sample.triangles).is_none() && !is_in(place, own, &sample.at, room_around(tool, own))
     };
     if let Some(sample) = inside.iter().find(is_out) {
         return Some(mockup.part_of_face(sample.triangles[1]));
@@ -63,6 +110,9 @@ pub fn crossing_outside(
     let outside = |[t, m]: &&[u32; 2]| {
         let p = pose.apply_triangle(&mesh.triangle(*t));
         let crossings = crossings(&p, &mockup.mesh().triangle(*m));
+        if let Some(around) = place.around(mockup, [*t, *m]) {
+            return crossings.iter().any(|x| around.is_out(&around.back(x, place.start, pose)));
+        }
         let own = tool.part_of_face(*t);
         let near = room_around(tool, own);
         crossings.iter().any(|x| !is_in(place, own, x, near))
@@ -106,18 +156,29 @@ pub fn crossings_in_place(
     let crossed = pairs.iter().step_by(pairs.len().div_ceil(most).max(1)).filter_map(crossing);
     let samples = inside.iter().map(|sample| (*sample, true));
     for (Inside { at, triangles }, is_sample) in crossed.map(|crossing| (crossing, false)).chain(samples) {
-        let t = triangles[0];
-        let p = pose.apply_triangle(&mesh.triangle(t));
+        let [t, m] = triangles;
+        let around = place.around(mockup, triangles);
+        if is_sample && around.is_some() {
+            continue;
+        }
+        let (p, side) = match around {
+            None => (pose.apply_triangle(&mesh.triangle(t)), tool.adjacency().outward[t as usize]),
+            // The neighbour moves outwards where the part moves inwards.
+            Some(_) => (mockup.mesh().triangle(m), if mockup.adjacency().outward[m as usize] < 0 { 1 } else { -1 }),
+        };
         let Some(normal) = unit(&cross(&sub(&p[1], &p[0]), &sub(&p[2], &p[0]))) else { continue };
-        let own = tool.part_of_face(t);
-        let outward = if tool.adjacency().outward[t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
-        let (distance, nearest) = nearest_to(place, own, &at);
-        let is_out = !is_in(place, own, &at, 0.0);
+        let outward = if side < 0 { scaled(&normal, -1.0) } else { normal };
+        let (host, own, within) = match around {
+            None => (place, tool.part_of_face(t), at),
+            Some(around) => (around.place(), 0, around.back(&at, place.start, pose)),
+        };
+        let (distance, nearest) = nearest_to(host, own, &within);
+        let is_out = !is_in(host, own, &within, 0.0);
         let depth = if is_out { -distance } else { distance };
         // A corner outside of the place leaves it away from the place, whatever way its faces look.
         let away = unit(&sub(&at, &nearest)).filter(|_| is_sample && is_out && distance > SEAT_TOLERANCE);
         let outward = away.unwrap_or(outward);
-        found.push(Crossing { at, outward, room: room_around(tool, own) + depth, triangles });
+        found.push(Crossing { at, outward, room: room_around(host.tool, own) + depth, triangles });
     }
     found
 }
@@ -192,7 +253,7 @@ mod tests {
         let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 2);
         let tool = Tool::new(vertices, faces).unwrap();
         let there = Pose::IDENTITY.translated(&[1.0, 0.0, 0.0]).unwrap();
-        let place = AtStart { start: &there, tool: &tool, filled: &Filled::default() };
+        let place = AtStart { start: &there, tool: &tool, filled: &Filled::default(), around: &[] };
         let is_in = |x: f64| is_in(place, 0, &[x, 0.003, -0.002], SEAT_TOLERANCE);
         assert!(is_in(1.0) && is_in(1.0099) && is_in(1.010005) && !is_in(1.0102) && !is_in(0.0));
     }
@@ -208,7 +269,7 @@ mod tests {
         let pairs: Vec<[u32; 2]> = (0..faces.len() as u32).flat_map(|t| [[t, 0], [t, 1]]).collect();
         let at = |by: f64| {
             let pose = Pose::IDENTITY.translated(&[by * size_of(&tool, 0), 0.0, 0.0]).unwrap();
-            let place = AtStart { start: &Pose::IDENTITY, tool: &tool, filled: &Filled::default() };
+            let place = AtStart { start: &Pose::IDENTITY, tool: &tool, filled: &Filled::default(), around: &[] };
             crossing_outside(place, &mockup, (&pairs, &[]), &pose)
         };
         assert_eq!((at(0.0), at(0.9 * PLACE_SHARE), at(1.1 * PLACE_SHARE)), (None, None, Some(0)));

@@ -53,8 +53,12 @@ impl Filled {
     pub fn surface<'a>(&'a self, tool: &'a Tool, part: u32) -> impl Iterator<Item = Triangle> + 'a {
         let is_own = move |t: u32| tool.part_of_face(t) == part;
         let own = tool.mesh().queried().filter(move |t| is_own(*t) && !self.contains(*t));
-        let caps = self.caps.iter().filter(move |(t, _)| is_own(*t)).map(|(_, cap)| *cap);
-        own.map(|t| tool.mesh().triangle(t)).chain(caps)
+        own.map(|t| tool.mesh().triangle(t)).chain(self.caps_of(tool, part))
+    }
+
+    /// Triangles over the mouths of those of a part of the tool; tool frame.
+    pub fn caps_of<'a>(&'a self, tool: &'a Tool, part: u32) -> impl Iterator<Item = Triangle> + 'a {
+        self.caps.iter().filter(move |(t, _)| tool.part_of_face(*t) == part).map(|(_, cap)| *cap)
     }
 }
 
