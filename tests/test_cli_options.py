@@ -379,3 +379,22 @@ def test_options_that_go_together_work() -> None:
     started = run_json("access", "--write-catalogue", "c.toml")
     assert started == {"written": {"catalogue": "c.toml"}} and Path("c.toml").exists()
     assert run_json("opening", "--write-limits", "l.toml") == {"written": {"limits": "l.toml"}}
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(
+    ("words", "read", "written"),
+    [
+        (["path", *MOVING], "--poses", "--csv"),
+        (["access", *MOVING, "--grip", "z"], "--frames", "--csv"),
+        (["remove", "m.glb", "--part", "m/a/part", "--insert"], "--from", "--csv"),
+        (["remove", "m.glb", "--part", "m/a/part", "--insert"], "--goal", "--way"),
+        (["clearance", *MOVING], "--pose", "--csv"),
+        (["task", "m.glb", "--part", "m/a/part"], "--times", "--html"),
+    ],
+)
+def test_no_output_takes_the_place_of_a_file_that_an_option_names(words: list[str], read: str, written: str) -> None:
+    name = {"--csv": "same.csv", "--way": "same.json", "--html": "same.html"}[written]
+    Path(name).write_text("1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1\n", encoding="utf-8")
+    said = error_of(*words, read, name, written, name)
+    assert said.startswith(f"feeler: {written} {name}: it is read by this command; give another name"), said

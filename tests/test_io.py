@@ -181,6 +181,13 @@ def test_obj_objects_and_groups_are_parts(tmp_path, monkeypatch, chunk_bytes):
     assert "1 point was skipped" in notes and "1 line was skipped" in notes
 
 
+def test_obj_objects_and_groups_hold_until_the_next_of_their_kind(tmp_path):
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    text = corners + "g bolt_1\no mesh\nf 1 2 3\ng bolt_2\no mesh\nf 1 3 2\no other\nf 2 3 1\n"
+    mockup = load_mockup(save(tmp_path, "m.obj", text))
+    assert paths(mockup) == ["m/mesh/bolt_1", "m/mesh/bolt_2", "m/other/bolt_2"]
+
+
 def test_obj_group_named_again_is_the_same_part(tmp_path):
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\ng b\nf 1 3 2\ng a\nf 2 3 1\n"
     mockup = load_mockup(save(tmp_path, "m.obj", text))

@@ -41,7 +41,7 @@ def obj_text() -> str:
         [
             "# comment", "mtllib none.mtl", "o frame", *(f"v {x} {y} {z} # c" for x, y, z in CORNERS.tolist()),
             "vn 0 0 1", "vt 0 0", "g left side", "f 1/1/1 3/1/1 2/1/1", "f 1//1 2//1 4//1", "g right", "usemtl red",
-            "f -3 -2 -1", "l 1 2", "p 1", "o plate", "v 0 0 5", "v 1 0 5", "v 1 1 5", "v 0 1 5", "f 5 6 7 8", "",
+            "f -3 -2 -1", "l 1 2", "p 1", "o plate", "g", "v 0 0 5", "v 1 0 5", "v 1 1 5", "v 0 1 5", "f 5 6 7 8", "",
         ]
     )  # fmt: skip
 

@@ -162,7 +162,7 @@ def access(
     mockup = needed(mockup)
     if (tool is None) == (catalogue is None):
         raise OptionError("give either --tool FILE or --catalogue FILE (or --catalogue built-in)")
-    outputs.check_targets(wanted, _ENDINGS, [*mockup, *(each for each in (tool, catalogue) if each is not None)])
+    outputs.check_targets(wanted, _ENDINGS, mockup)
     if frames is not None and (targets or kind is not None):
         raise OptionError("--frames are the targets: leave out --targets and --kind")
     places = None if frames is None else read_poses(frames)

@@ -25,7 +25,7 @@ from typing import Annotated, Any, NoReturn, TypeVar
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from feeler.cli.options import check_together, given_of, in_command_line_words, in_text
+from feeler.cli.options import check_together, given_of, in_command_line_words, in_text, running
 from feeler.errors import FeelerError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -84,7 +84,8 @@ def command(
             try:
                 values = kwargs | {name: option.read(kwargs[name]) for name, option in options.items()}
                 check_together(options, given_of(context), values)
-                return function(*args, **values)
+                with running(options, values):
+                    return function(*args, **values)
             except FeelerError as error:
                 fail(in_command_line_words(str(error), options, kwargs))
                 raise typer.Exit(BAD_INPUT) from None

@@ -157,8 +157,8 @@ def clash(
     if named is not None and (previous is not None or _is_saved(mockup)):
         raise OptionError("--project has the findings of its last check: leave out --previous and saved findings")
     targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
-    inputs = [*mockup, rules, bcf_in]  # findings of --previous may be saved in place
-    outputs.check_targets(targets, _ENDINGS, inputs)
+    in_place = ["previous"]  # its findings may be saved there
+    outputs.check_targets(targets, _ENDINGS, mockup, in_place)
     if xlsx is not None:
         xlsx_library()
     group_by = check_word("--by", by, GROUPS_BY)
@@ -175,7 +175,7 @@ def clash(
     work = Work(files_of(mockup), None, None, unit, up, without, only)
     if named is not None:
         book, work = open_for_writing(context, named, work)
-        outputs.check_targets(targets, _ENDINGS, work.sources)
+        outputs.check_targets(targets, _ENDINGS, work.sources, in_place)
         before = book.clashes()
         kept = _kept(context, book, clearance, contact, rules)
         clearance, contact = kept.clearance, "chord" if kept.contact is None else kept.contact

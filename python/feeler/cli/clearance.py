@@ -95,7 +95,7 @@ def clearance(
 
     check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
-    outputs.check_targets({"glb": glb, "csv": csv_}, {"glb": (".glb",), "csv": (".csv",)}, [*mockup, tool, pose])
+    outputs.check_targets({"glb": glb, "csv": csv_}, {"glb": (".glb",), "csv": (".csv",)}, mockup)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     warn_of_far_poses(world, probe, poses)
     with bar("indexing") as progress:

@@ -111,9 +111,7 @@ def collide(
 
     check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
-    outputs.check_targets(
-        {"glb": glb, "picture": picture}, {"glb": (".glb",), "picture": (".png",)}, [*mockup, tool, pose]
-    )
+    outputs.check_targets({"glb": glb, "picture": picture}, {"glb": (".glb",), "picture": (".png",)}, mockup)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     warn_of_far_poses(world, probe, poses)
     with bar("indexing") as progress:

@@ -150,7 +150,7 @@ def feel(
         }
         if named := [name for name, value in given.items() if value]:
             raise OptionError(f"--check brings its own plate, tool and hand: leave out {', '.join(named)}")
-    outputs.check_targets({"record": record}, {"record": (".npz",)}, [*(mockup or ()), tool, pose])
+    outputs.check_targets({"record": record}, {"record": (".npz",)}, mockup or ())
     # Before anything is loaded, so that a missing device is reported at once.
     options = _device_options(device, device_option or [])
     held: devices.Device | None = (

@@ -140,8 +140,8 @@ def maintain(
     if named is not None and previous is not None:
         raise OptionError("--project has the last run: leave out --previous")
     targets = {"html": html, "xlsx": xlsx, "save": save}
-    # --previous may be saved in place.
-    outputs.check_targets(targets, _ENDINGS, [*mockup, parts, tools, times])
+    in_place = ["previous"]
+    outputs.check_targets(targets, _ENDINGS, mockup, in_place)
     words = _words(fail_on)
     if parts is not None and part:
         raise OptionError("--parts and --part both say which parts: give one of them")
@@ -159,7 +159,7 @@ def maintain(
         from feeler.cli.kept_runs import last_run
 
         book, work = open_for_writing(context, named, work)
-        outputs.check_targets(targets, _ENDINGS, work.sources)
+        outputs.check_targets(targets, _ENDINGS, work.sources, in_place)
         before = last_run(book)
     held = feeler.catalogue(str(tools)) if tools is not None else _tools(tool, grip, tool_unit, work.up)
     world = read_checked(work.sources, work.unit, work.up)

@@ -116,7 +116,7 @@ def move(
 
     targets = {"csv": csv, "glb": glb, "film": film, "write-mechanism": write_mechanism}
     endings = {"csv": (".csv",), "glb": (".glb",), "film": (".glb",), "write-mechanism": (".toml",)}
-    outputs.check_targets(targets, endings, [*mockup, mechanism])
+    outputs.check_targets(targets, endings, mockup)
     robots = [name for name in mockup if name.lower().endswith(".urdf")]
     given = {"--mechanism": mechanism, "--write-mechanism": write_mechanism, "--animation": animation}
     ways = [name for name, value in given.items() if value is not None] + robots

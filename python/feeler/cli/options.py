@@ -5,9 +5,11 @@ So wrong values get one form of error, whatever the version of typer: the option
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import inspect
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
@@ -151,3 +153,27 @@ def _is_about(message: str, value: Any) -> bool:
     return any(
         message.startswith((f"{text}: ", f"{text} ", f"pose file {text} ")) or repr(text) in message for text in texts
     )
+
+
+_named: ContextVar[tuple[tuple[str, Path], ...]] = ContextVar("named", default=())
+
+
+@contextlib.contextmanager
+def running(options: Mapping[str, Option], values: Mapping[str, Any]) -> Iterator[None]:
+    """A run of a command with these values, by parameter."""
+    named = []
+    for name, option in options.items():
+        for each in values[name] if isinstance(values[name], (list, tuple)) else [values[name]]:
+            if isinstance(each, (str, Path)) and str(each):
+                named.append((option.name.removeprefix("--"), Path(each)))
+    token = _named.set(tuple(named))
+    try:
+        yield
+    finally:
+        _named.reset(token)
+
+
+def named_files() -> tuple[tuple[str, Path], ...]:
+    """What options of the running command gave as text, as paths, each with its option, without dashes. Some may be no
+    paths, such as patterns of parts."""
+    return _named.get()

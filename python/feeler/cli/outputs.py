@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import words
+from feeler.cli.options import named_files
 from feeler.errors import OptionError
 from feeler.words import printable
 
@@ -83,16 +84,19 @@ def check_targets(
     targets: Mapping[str, Path | None],
     endings: Mapping[str, Sequence[str]],
     inputs: Iterable[str | Path | None] = (),
+    in_place: Collection[str] = (),
 ) -> None:
     """Checks that each output has one of its endings, can be written, and is none of the inputs or other outputs.
 
-    Options `write-...` start files for people to edit, so their files must not exist yet.
-    inputs: files, or folders whose files are all read. Raises `OptionError`, `WriteError`.
+    Options `write-...` start files for people to edit, so their files must not exist yet. Any file that another option
+    names is an input, but for those of options `in_place`, which may be written anew. inputs: more of them, or folders
+    whose files are all read. Raises `OptionError`, `WriteError`.
     """
     from feeler.errors import WriteError
     from feeler.io import check_target
 
     read = [Path(each) for each in inputs if each is not None]
+    read += [path for option, path in named_files() if option not in targets and option not in in_place]
     taken: dict[Path, str] = {}
 
     for option, target in targets.items():

@@ -93,7 +93,7 @@ def path(
     """
     from feeler.cli import outputs
 
-    outputs.check_targets({"csv": csv, "glb": glb}, {"csv": (".csv",), "glb": (".glb",)}, [*mockup, tool])
+    outputs.check_targets({"csv": csv, "glb": glb}, {"csv": (".csv",), "glb": (".glb",)}, mockup)
     check_moving(tool, tool_unit, part)
     way = read_path(poses, snap_pose)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)

@@ -162,7 +162,7 @@ def remove(
     if allow is not None:
         raise OptionError("--allow is gone: give --ignore PATTERN, --overlap METRES, or --no-seats")
     targets = {"csv": csv, "way": way, "glb": glb}
-    _check(targets, [*mockup, hand, pose], part, each, order, hand)
+    _check(targets, mockup, part, each, order, hand)
     ends = _ends(insert, {"--from": from_, "--goal": goal}, each or order, snap_pose)
     assert part is not None
     if rounds is not None and insert:
@@ -351,7 +351,7 @@ def _each(asked: _Asked, parts: list[int], workers: int | None, dask: str | None
 
 def _check(
     targets: dict[str, Path | None],
-    inputs: list[str | Path | None],
+    inputs: list[str],
     part: list[str] | None,
     each: bool,
     order: bool,

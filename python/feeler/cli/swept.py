@@ -57,7 +57,7 @@ def swept(
     from feeler.cli import outputs
 
     if out is not None:
-        outputs.check_mesh_target(out, [tool, poses])
+        outputs.check_mesh_target(out)
     check_unit("--tool-unit", tool_unit, tool)
     way = read_poses(poses, snap_pose)
     probe = read_tool(tool, tool_unit, up)

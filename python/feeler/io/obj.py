@@ -147,7 +147,7 @@ class _Reader:
             if at < len(runs) - 1:
                 row, is_object = next(names)
                 name = chunk.line_text(row, skip_tokens=1)
-                self.object, self.group = (name, "") if is_object else (self.object, name)
+                self.object, self.group = (name, self.group) if is_object else (self.object, name)
         return np.repeat(part, runs)
 
     def _take_materials(
