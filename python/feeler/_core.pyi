@@ -331,6 +331,9 @@ class Scene:
         touching: Touching,
         ignore: _Ignore = None,
     ) -> Cast | None: ...
+    def cast_within(
+        self, tool: Tool, start: PoseLike, screw: Screw | Slide | Chain, *, tolerance: float, ignore: _Ignore = None
+    ) -> Cast | None: ...
     @overload
     def check_path(
         self,

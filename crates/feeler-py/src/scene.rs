@@ -62,6 +62,29 @@ impl Scene {
         Ok(Arc::new(self.solver.with_scene(Arc::new(self.core.ignoring(pairs)))))
     }
 
+    /// The first impact along a leg from a pose.
+    fn cast_along(
+        &self,
+        py: Python<'_>,
+        tool: &ToolArgument<'_, '_>,
+        (start, leg): (PoseArgument, core::Leg),
+        (tolerance, touching): (f64, core::Touching),
+        ignore: &Ignore<'_>,
+    ) -> PyResult<Option<Cast>> {
+        let asked = self.asked(tool, ignore)?;
+        let tool = tool.core();
+        let found = stoppable(py, |go_on| {
+            if touching != core::Touching::Ends {
+                find_topology(self.core.mockup(), tool, false)?;
+            }
+            let motion = core::Motion::of_legs(tool, &start.0, &[leg]).map_err(to_py)?.remove(0);
+            let options = core::CastOptions::default().with_tolerance(tolerance).with_touching(touching);
+            let options = options.with_go_on(go_on.function());
+            asked.scene().cast_along(tool, &motion, &options).map_err(to_py)
+        });
+        Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
+    }
+
     /// The scene with other parts there.
     fn selected(&self, py: Python<'_>, core: core::Result<core::Scene>) -> PyResult<Selected> {
         let core = Arc::new(core.map_err(to_py)?);
@@ -574,23 +597,26 @@ impl Scene {
         touching: Touching,
         ignore: Ignore<'_>,
     ) -> PyResult<Option<Cast>> {
-        let asked = self.asked(&tool, &ignore)?;
-        let tool = tool.core();
-        let found = stoppable(py, |go_on| {
-            if touching.0 == core::Touching::Free {
-                find_topology(self.core.mockup(), tool, false)?;
-            }
-            let leg = match (end, screw) {
-                (Some(end), None) => core::Leg::To(end.0),
-                (None, Some(screw)) => screw.0,
-                _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
-            };
-            let motion = core::Motion::of_legs(tool, &start.0, &[leg]).map_err(to_py)?.remove(0);
-            let options = core::CastOptions::default().with_tolerance(tolerance).with_touching(touching.0);
-            let options = options.with_go_on(go_on.function());
-            asked.scene().cast_along(tool, &motion, &options).map_err(to_py)
-        });
-        Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
+        let leg = match (end, screw) {
+            (Some(end), None) => core::Leg::To(end.0),
+            (None, Some(screw)) => screw.0,
+            _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
+        };
+        self.cast_along(py, &tool, (start, leg), (tolerance, touching.0), &ignore)
+    }
+
+    /// As a cast with `touching="free"`, and at the given poses, too, what enters is decided within the tolerance.
+    #[pyo3(signature = (tool, start, screw, *, tolerance, ignore = None))]
+    fn cast_within(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        #[pyo3(from_py_with = start_pose)] start: PoseArgument,
+        screw: WayArgument<false>,
+        tolerance: f64,
+        ignore: Ignore<'_>,
+    ) -> PyResult<Option<Cast>> {
+        self.cast_along(py, &tool, (start, screw.0), (tolerance, core::Touching::Within), &ignore)
     }
 
     #[pyo3(signature = (tool, poses, *, tolerance, touching, inside, progress, ignore = None))]

@@ -75,7 +75,7 @@ class _Closed:
 
     def box(self) -> dict[str, float] | None:
         """Half-widths of the followed roots."""
-        if not self._followed or any(self._mechanism.loops[n].kind is JointKind.SCREW for n in self._loops):
+        if not self._followed or any(self._mechanism.closing[n].kind is JointKind.SCREW for n in self._loops):
             return None
         size, middle = self._size, self._leg.at(0.5)
         slope = self._slope(middle)
@@ -102,7 +102,7 @@ class _Closed:
 
     def _far(self) -> float:
         """By how much rounding grows with the distance from the origin."""
-        points = [joint.point for joint in (*self._mechanism.joints, *self._mechanism.loops)]
+        points = [joint.point for joint in (*self._mechanism.joints, *self._mechanism.closing)]
         return 1.0 + float(np.abs(points).max()) / self._size
 
     def _widest(self) -> Floats:
@@ -113,7 +113,7 @@ class _Closed:
         rows = []
         for number in self._loops:
             parent, child = self._mechanism._ends[number]
-            rows.append(_closing(self._mechanism.loops[number], inverse(poses[parent]) @ poses[child], self._size))
+            rows.append(_closing(self._mechanism.closing[number], inverse(poses[parent]) @ poses[child], self._size))
         return np.concatenate(rows)
 
     def _slope(self, middle: Mapping[str, float]) -> Floats:
@@ -135,7 +135,7 @@ class _Closed:
         """Bounds of the second derivatives: `(k, n, n)`, of each residual by two roots."""
         rows = []
         for number in self._loops:
-            joint, (parent, child) = self._mechanism.loops[number], self._mechanism._ends[number]
+            joint, (parent, child) = self._mechanism.closing[number], self._mechanism._ends[number]
             links = self._mechanism.links
             up, down = links.between(parent, child)
             joints = [links.links[n].joint for n in (*up, *reversed(down))]

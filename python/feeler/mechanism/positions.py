@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +13,7 @@ from feeler._core import Screw
 from feeler.arguments import check_kind, check_list, check_number, check_text, near, shown
 from feeler.errors import MechanismError, OptionError
 from feeler.ignored import pairs_of_parts
+from feeler.mechanism.aligning import aligned, skew
 from feeler.mechanism.bodies import Bodies
 from feeler.mechanism.coupling import JointCoupling, driven_by
 from feeler.mechanism.joint import Joint, JointKind
@@ -60,7 +62,6 @@ class Positions:
         self.names = tuple(name for joint in self.joints for name in joint.names)
         """The names of the numbers of a position, in the order of the joints."""
         self.driven = driven_by(self.names, self.couplings)
-        self._of_name = {name: (joint, n) for joint in self.joints for n, name in enumerate(joint.names)}
         self._ends = [self._ends_of(loop) for loop in self.loops]
         taken = [joint.name for joint in (*self.joints, *self.loops)]
         for loop in self.loops:
@@ -73,10 +74,15 @@ class Positions:
                     f"joint {loop.name!r} closes a loop and has limits, which nothing follows: leave them out, and "
                     "limit joints of the tree"
                 )
-        closed = list(zip(self.loops, self._ends, strict=True))
+        self.groups = self._grouped()
+        self.closing = list(self.loops)
+        """The joints that close loops, their axes aligned with those of the tree."""
+        for group in self.groups:
+            self._align(group[1])
+        self._of_name = {name: (link.joint, n) for link in self.links.links for n, name in enumerate(link.joint.names)}
+        closed = list(zip(self.closing, self._ends, strict=True))
         self.ignore = pairs_of_parts(mockup, mockup, ignore, "ignore", ("mock-up", "mock-up"))
         self.bodies = Bodies(mockup, self.links, self.couplings, scene, closed, self.ignore)
-        self.groups = self._grouped()
         self._last: tuple[tuple[tuple[str, float], ...], Scene] | None = None
         for coupling in self.couplings:
             self.limits(coupling.of)  # it raises where those of coupled joints leave no position
@@ -282,6 +288,20 @@ class Positions:
             groups.append((own, loops))
         return groups
 
+    def _align(self, loops: list[int]) -> None:
+        """Takes the axes of loops as exact where they are off by rounding."""
+        links = self._links_of(loops)
+        joints = aligned([*(self.links.links[number].joint for number in links), *(self.loops[n] for n in loops)])
+        for number, joint in zip(links, joints, strict=False):
+            self.links.links[number] = replace(self.links.links[number], joint=joint)
+        for n, joint in zip(loops, joints[len(links) :], strict=True):
+            self.closing[n] = joint
+
+    def _links_of(self, loops: list[int]) -> list[int]:
+        """The links whose joints move loops."""
+        ways = [side for n in loops for side in self.links.between(*self._ends[n])]
+        return sorted({number for way in ways for number in way if self.links.links[number].joint.names})
+
     def _close(
         self, found: dict[str, float], given: list[str], followed: list[str], loops: list[int], start: Values | None
     ) -> None:
@@ -310,8 +330,15 @@ class Positions:
             if float(np.abs(open_by(end, outputs)).max()) > _CLOSED:
                 raise MechanismError(f"the loop does not close at {told(end)}: give fewer of its joints")
             return
-        for name, value in zip(followed, Follower(open_by, scales, told).follow(begin, outputs, end), strict=True):
-            found[name] = float(value)
+        try:
+            closed = Follower(open_by, scales, told).follow(begin, outputs, end)
+        except MechanismError as error:
+            joints = [self.links.links[number].joint for number in self._links_of(loops)]
+            off = skew([*joints, *(self.closing[n] for n in loops)])
+            if off:
+                raise MechanismError(f"{off}; {error}") from None
+            raise
+        found.update(zip(followed, closed.tolist(), strict=True))
 
     def _close_over(
         self,
@@ -382,7 +409,7 @@ class Positions:
         """How far loops are open, by the roots."""
         poses = self.links.poses({name: by.ratio * roots[by.root] + by.offset for name, by in self.driven.items()})
         return np.concatenate(
-            [opening(self.loops[n], poses[self._ends[n][0]], poses[self._ends[n][1]], self.size) for n in loops]
+            [opening(self.closing[n], poses[self._ends[n][0]], poses[self._ends[n][1]], self.size) for n in loops]
         )
 
     def _told(self, values: Values) -> str:

@@ -12,13 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from feeler.choices import TOUCHINGS
+from feeler._core import Cast, Chain
+from feeler.ignored import IgnoredPairs
 from feeler.mechanism.answers import MechanismContact, MechanismSeat, Range
 from feeler.mechanism.joint import JointKind
 from feeler.mechanism.legs import STRAIGHT_M, Leg, Legs, halves, relative
 from feeler.mechanism.positions import Positions
 from feeler.mechanism.seating import Seated
+from feeler.mockup import Tool
 from feeler.poses import inverse
+from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 Near = tuple[float, int, int, Floats, Floats]
@@ -31,6 +34,11 @@ _MOST_TURN = 999.0 * _TURN
 _SIZES = 2.0  # the same of a slide, in sizes of the mock-up
 _MOST_HALVES = 40
 _SAME_SHARE = 1e-9
+_SAME_VALUE = 5e-7
+"""Contacts are as near as where a joint begins if it moves by less on the way, radians or metres."""
+_LESS = 0.25  # of an overlap, the next
+_LEAST_OVERLAP_M = 4e-12  # rounding
+_AHEAD = 2.0  # times the time between two overlaps: enough for surfaces that approach at up to the third power of it
 _PARTED = (2.0**-10, 2.0**-7, 2.0**-4, 2.0**-2)  # shares of a motion at which a seat may have parted
 
 
@@ -207,20 +215,61 @@ def exactly(
     mechanism: Positions, pair: tuple[int, int], leg: Leg, skipped: Iterable[tuple[int, int]] = ()
 ) -> Meeting | None:
     """The first contact of two links on a leg, seats and other pairs left out. Parts that touch where the leg begins
-    may slide along each other."""
+    may slide along each other, and part; they go no deeper."""
     bodies = mechanism.bodies
     pose, way = relative(mechanism, *pair, leg)
-    tool, ignore = bodies.tool(pair[0]), bodies.ignored(*pair, skipped)
-    hit = None
-    for touching in TOUCHINGS:
-        hit = bodies.alone(pair[1]).cast(tool, pose, screw=way, tolerance=TOLERANCE_M, touching=touching, ignore=ignore)
-        if hit is None:
+    around, tool, ignore = bodies.alone(pair[1]), bodies.tool(pair[0]), bodies.ignored(*pair, skipped)
+    hit = around.cast(tool, pose, screw=way, tolerance=TOLERANCE_M, ignore=ignore)
+    if hit is None:
+        return None
+    share = hit.fraction
+    if _is_still_at(share, hit, pose, way, leg):
+        entered = _entering(around, tool, ignore, leg, (pose, way))
+        if entered is None:
             return None
-        if hit.fraction > 0.0:
-            break
-    assert hit is not None
+        share, later = entered
+        if share > 0.0 or (later.tool_part, later.part) != (hit.tool_part, hit.part):
+            hit = later
     part = bodies.parts(pair[0])[hit.tool_part]
-    return Meeting(hit.fraction, hit.tool_part, part, hit.part, hit.point, hit.normal)
+    return Meeting(share, hit.tool_part, part, hit.part, hit.point, hit.normal)
+
+
+def _is_still_at(share: float, hit: Cast, pose: Floats, way: Chain, leg: Leg) -> bool:
+    """Whether neither the number of the joint nor the point of a contact has moved by more than the tolerances."""
+    if abs(leg.value(share) - leg.values[0]) > _SAME_VALUE:
+        return False
+    local = inverse(hit.pose) @ np.append(hit.point, 1.0)
+    return bool(np.linalg.norm((way.at(pose, share) - pose) @ local) <= TOLERANCE_M)
+
+
+def _entering(
+    around: Scene, tool: Tool, ignore: IgnoredPairs | None, leg: Leg, moved: tuple[Floats, Chain]
+) -> tuple[float, Cast] | None:
+    """When one body first enters the other, never late, of two that touch where a leg begins, or are in each other
+    there by rounding. moved: the pose and the way of the tool."""
+    pose, way = moved
+
+    def cast(overlap: float) -> Cast | None:
+        found = around.cast(tool, pose, screw=way, tolerance=overlap, touching="free", ignore=ignore)
+        if found is not None and found.fraction == 0.0 and leg.start != leg.end:
+            found = around.cast_within(tool, pose, way, tolerance=overlap, ignore=ignore)
+        return found
+
+    overlap = TOLERANCE_M
+    hit = cast(overlap)
+    if hit is None:
+        return None
+    # It is late by the overlap. From how much less late it is with less of it follows where they only touched.
+    late, early = 1.0, hit.fraction
+    if leg.off > 0.0:  # legs of loops are off by some of the overlap: more of it
+        found = cast(overlap / _LESS)
+        late = 1.0 if found is None else found.fraction
+    while (late == 1.0 or early == late) and early > 0.0 and overlap > _LEAST_OVERLAP_M:
+        overlap *= _LESS
+        found = cast(overlap)
+        late, early = early, early if found is None else found.fraction
+    share = max(0.0, early - _AHEAD * (late - early))
+    return 0.0 if _is_still_at(share, hit, pose, way, leg) else share, hit
 
 
 def seat_meeting(mechanism: Positions, pair: tuple[int, int], seat: Seated, leg: Leg) -> Meeting | None:

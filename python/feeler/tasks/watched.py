@@ -253,6 +253,12 @@ class WatchedScene(Scene):
             self._noted.all()
         return found
 
+    def cast_within(self, tool: Any, start: Any, screw: Any, **options: Any) -> Any:
+        """As the engine's."""
+        found = super().cast_within(tool, start, screw, **options)
+        self._noted.all()
+        return found
+
     def check_path(self, tool: Any, poses: Any, *args: Any, **options: Any) -> Any:
         """As `Scene`."""
         if isinstance(poses, np.ndarray) and poses.ndim == 3:
