@@ -14,6 +14,7 @@ from workbench_scene import FACES, corners
 import feeler
 from feeler.cli.view import _begin_mechanism
 from feeler.project.book import open_or_make
+from feeler.workbench.document.line_facts import line_length
 from feeler.workbench.engine.mechanism import text_of
 from feeler.workbench.session.export import sequence_csv
 from feeler.workbench.session.record import read_record
@@ -236,6 +237,26 @@ def test_tables_and_reports_say_that_a_joint_moved_the_parts() -> None:
     steps = session.job("report", {"pictures": 0}).result(timeout=60)
     page = session.export(steps["name"]).decode()
     assert "hinge from 0° to 28.65°" in page and "drawer from 0 mm to 250 mm" in page and "nothing near" not in page
+    session.close()
+
+
+def test_a_step_of_a_door_is_as_long_as_the_step_back() -> None:
+    """Also of a knob on the door, whose box turns with it."""
+    text = TEXT.replace('["door", "knob"]', '["door"]') + (
+        '[[joint]]\nname = "turn"\nkind = "revolute"\nparent = "door"\nchild = "knob"\naxis = [0, 1, 0]\n'
+        "point_m = [0.9, 0, 0.4]\n"
+    )
+    mockup = doors(9.0)
+    session = opened(mockup)
+    session.command("mechanism_open", {"name": "door.toml", "text": text})
+    for moves in ((("turn", 0.5), ("hinge", 0.9)), (("turn", 0.0),), (("hinge", 0.4),), (("hinge", 0.9),)):
+        for name, value in moves:
+            session.command("joint_move", {"name": name, "value": value})
+        session.command("joint_step", {})
+    lengths = [line_length(line, mockup.part_bounds) for line in session.current.sequence]
+    radius = math.hypot(0.025, 0.05)  # of the middle of the knob about its axis
+    assert lengths[0] == pytest.approx(0.5 * radius, rel=1e-3) and lengths[2] == pytest.approx(lengths[0], rel=1e-9)
+    assert lengths[3] == pytest.approx(lengths[4], rel=1e-9)
     session.close()
 
 
