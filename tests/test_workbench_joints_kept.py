@@ -148,6 +148,24 @@ def test_a_record_with_joints_gives_the_same_again(tmp_path: Path) -> None:
     assert found.parted is None and found.commands == 10, found.parted
 
 
+def test_a_record_of_a_door_in_the_hand_gives_the_same_bits(tmp_path: Path) -> None:
+    path = tmp_path / "a.rec"
+    session = begun(record=path)
+    session.command("joint_move", {"name": "hinge", "value": 0.3})
+    session.command("joint_take", {"name": "hinge"})
+    session.engine.tick()
+    for number in range(1, 40):
+        wish = np.array(session.engine.pose)
+        wish[:3, 3] += (-0.013, 0.007 * number, 0.01)
+        session.wish(wish, number, "mouse")
+        session.engine.tick()
+    session.command("release", {})
+    session.close()
+    mockup = doors()
+    found = replay(read_record(path), mockup, feeler.Scene(mockup), None)
+    assert found.parted is None and found.ticks >= 40, found.parted
+
+
 def test_undo_and_redo_go_through_all_positions() -> None:
     session = begun()
     for name, value in (("hinge", 0.3), ("drawer", 0.2), ("hinge", -0.2)):

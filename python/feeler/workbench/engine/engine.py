@@ -134,6 +134,7 @@ class Engine:
         self._idle: Ticked | None = None
         self._is_quiet = False
         self._is_held = False
+        self._is_replayed = False  # the round that runs is one of a record
         self._rested = 0  # rounds without news, in a row
         self._was_idle = False  # after the latest round
         self._way: list[Floats] = []
@@ -251,7 +252,11 @@ class Engine:
         """Runs a round from a record."""
         with self._lock:
             self.wish(wish, seq, source)
-            self._round(steps)
+            self._is_replayed = True
+            try:
+                self._round(steps)
+            finally:
+                self._is_replayed = False
             return self._ticked(steps)
 
     def shown(self, pose: Floats, wish: Floats, *, is_last: bool) -> None:
@@ -387,9 +392,10 @@ class Engine:
             return False
         pose, self._seq, self._source, time = newest
         guide = self._guide
-        # A device feels the way instead; what is placed or replayed goes where it was told to.
+        # A device feels the way instead; what is placed goes where it was told to. A record has the wish as it was drawn.
         is_joint = isinstance(guide, JointGuide)
-        if guide is not None and (is_joint or (self._source != "device" and not (self._is_quiet or self._is_held))):
+        is_free = self._source == "device" or self._is_quiet
+        if guide is not None and not self._is_replayed and (is_joint or not is_free):
             pose = guide.drawn(pose)
         self._wish_elapsed, self._wish_time = max(1e-3, time - self._wish_time), time
         self._hand_from, self._wish = self._wish, pose
