@@ -71,7 +71,7 @@ def test_a_slider_stops_at_contact_and_shows_all_pages_where(session: Session) -
     seen: list[dict] = []
     session.subscribe(seen.append)
     place = session.ask("joint_to", {"name": "hinge", "value": 2.0})
-    assert place is not None and place["value"] == pytest.approx(upper, abs=1e-9) and place["is_stopped"]
+    assert place is not None and place["value"] == pytest.approx(upper, abs=1e-9) and place["stop"] == "contact"
     assert place["met"]["other"] == WALL and 0.5 < upper < 2.0
     shown = [event for event in seen if event["type"] == "joints"]
     turned = np.reshape(shown[-1]["poses"][0], (4, 4))
@@ -79,6 +79,8 @@ def test_a_slider_stops_at_contact_and_shows_all_pages_where(session: Session) -
     assert not session.current.moved, "it is shown, and changes nothing"
     below = session.ask("joint_to", {"name": "hinge", "value": -1.5})
     assert below is not None and below["value"] == pytest.approx(max(lower, -1.5)) and below["met"]["other"] == BOX
+    end = session.ask("joint_to", {"name": "hinge", "value": -2.0})
+    assert end is not None and end["stop"] == ("contact" if lower > -1.5 else "limit"), end
     session.ask("joint_to", {"name": "hinge", "value": None})
     assert seen[-1]["poses"] is None
 
@@ -88,8 +90,8 @@ def test_ignored_pairs_stop_nothing(session: Session) -> None:
     text = 'ignore = [["wall", "door"], ["knob", 1]]\n' + TEXT
     session.command("mechanism_open", {"name": "door.toml", "text": text})
     passes = session.ask("joint_to", {"name": "hinge", "value": 2.0})
-    assert stops is not None and stops["is_stopped"]
-    assert passes is not None and passes["value"] == pytest.approx(2.0) and not passes["is_stopped"]
+    assert stops is not None and stops["stop"] == "contact"
+    assert passes is not None and passes["value"] == pytest.approx(2.0) and passes["stop"] is None
 
 
 def test_a_move_is_one_step_of_undo_and_the_scene_stands_there(session: Session) -> None:

@@ -166,6 +166,66 @@ def test_a_record_of_a_door_in_the_hand_gives_the_same_bits(tmp_path: Path) -> N
     assert found.parted is None and found.ticks >= 40, found.parted
 
 
+def test_where_a_joint_stops_does_not_depend_on_what_was_asked_before() -> None:
+    """From elsewhere in its range a cast ends elsewhere by rounding."""
+
+    def stop(first: list[tuple[str, float]]) -> float:
+        session = begun()
+        for name, value in first:
+            session.ask("joint_to", {"name": "hinge", "value": 3.0})
+            session.command("joint_move", {"name": name, "value": value})
+        session.command("joint_move", {"name": "hinge", "value": 3.0})
+        found = values(session)["hinge"]
+        session.close()
+        return found
+
+    places = np.linspace(0.1, 0.9, 4)
+    assert [stop([("hinge", at)]) for at in places] == [
+        stop([("drawer", 0.1), ("hinge", at), ("drawer", 0.0)]) for at in places
+    ]
+
+
+ENDLESS = """
+[[joint]]
+name = "hinge"
+kind = "revolute"
+child = ["door", "knob"]
+
+[[joint]]
+name = "drawer"
+kind = "prismatic"
+child = "drawer"
+axis = [0, -1, 0]
+"""
+
+
+def test_a_joint_without_limits_goes_where_it_is_told_to(tmp_path: Path) -> None:
+    """More than a turn, or than twice the size of the mock-up; the check of its step says the same, and a record."""
+    session = opened(doors(9.0), record=tmp_path / "a.rec")
+    session.command("mechanism_open", {"name": "m.toml", "text": ENDLESS})
+    session.command("joint_move", {"name": "drawer", "value": 2.0})
+    session.command("joint_step", {})
+    for name, value in (("hinge", math.radians(450)), ("hinge", math.radians(-900)), ("drawer", 60.0)):
+        place = session.ask("joint_to", {"name": name, "value": value})
+        assert (place["value"], place["stop"], place["why"]) == (value, None, "")
+        session.command("joint_move", {"name": name, "value": value})
+        assert values(session)[name] == value
+    session.command("joint_step", {})
+    for line in session.current.sequence[1:]:
+        session.command("way_check", {"id": line.id})
+    end = time.monotonic() + 60.0
+    while any(card.state not in ("done", "failed") for card in session.current.cards):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    told = [card.sentence for card in session.current.cards]
+    assert told == ["hinge moves freely from 0° to -900°.", "drawer moves freely from 2000 mm to 60000 mm."], told
+    far = session.ask("joint_to", {"name": "drawer", "value": 1e6})
+    assert far["stop"] == "end" and far["why"].startswith("'drawer' has no limit: it was followed to "), far
+    session.close()
+    mockup = doors(9.0)
+    assert replay(read_record(tmp_path / "a.rec"), mockup, feeler.Scene(mockup), None)
+
+
 def test_undo_and_redo_go_through_all_positions() -> None:
     session = begun()
     for name, value in (("hinge", 0.3), ("drawer", 0.2), ("hinge", -0.2)):

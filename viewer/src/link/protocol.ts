@@ -399,10 +399,11 @@ export interface JointPlace {
   readonly name: string;
   /** Radians or metres. */
   readonly value: number;
-  /** Contact or a limit ends it there. */
-  readonly is_stopped: boolean;
-  /** Null: a limit. */
+  /** What ends it there. end: neither contact nor a limit, and `why` says what. */
+  readonly stop: "contact" | "limit" | "end" | null;
+  /** What it meets. */
   readonly met: JointMet | null;
+  readonly why: string;
   /** All numbers. */
   readonly values: Readonly<Record<string, number>>;
 }

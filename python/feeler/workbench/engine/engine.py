@@ -392,7 +392,7 @@ class Engine:
             return False
         pose, self._seq, self._source, time = newest
         guide = self._guide
-        # A device feels the way instead; what is placed goes where it was told to. A record has the wish as it was drawn.
+        # A device feels the way instead, and what is placed goes where it was told to. Records have wishes as drawn.
         is_joint = isinstance(guide, JointGuide)
         is_free = self._source == "device" or self._is_quiet
         if guide is not None and not self._is_replayed and (is_joint or not is_free):
