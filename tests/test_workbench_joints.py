@@ -272,6 +272,36 @@ def test_a_part_in_the_hand_is_felt_on_its_joint(session: Session) -> None:
     assert session.current.mechanism.values["hinge"] == 0.0 and not session.current.moved
 
 
+def test_a_joint_in_the_hand_does_not_touch_its_own_seats() -> None:
+    """A pin through the door is none of its contacts, nor is what the mechanism ignores; a bolt through it is one."""
+    boxes = [
+        corners((0.0, -0.01, 0.0), (1.0, 0.01, 1.0)),
+        corners((-0.005, -0.005, -0.1), (0.005, 0.005, 1.1)),
+        corners((0.5, -0.2, 0.4), (0.52, 0.2, 0.42)),
+        corners((0.7, -0.2, 0.4), (0.72, 0.2, 0.42)),
+    ]
+    names = ["door", "pin", "bolt", "strap"]
+    faces = np.concatenate([FACES + 8 * i for i in range(4)])
+    mockup = feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(4), 12), names)
+    text = 'ignore = [["strap", "door"]]\n' + "".join(
+        f'[[joint]]\nname = "{child}"\nkind = "{kind}"\nchild = "{child}"\naxis = [0, 0, 1]\n'
+        for child, kind in (("door", "revolute"), ("bolt", "prismatic"), ("strap", "prismatic"))
+    )
+    with Session(has_threads=False) as session:
+        session.open(mockup, feeler.Scene(mockup), None)
+        session.command("mechanism_open", {"name": "m.toml", "text": text})
+        session.command("joint_take", {"name": "door"})
+        session.engine.tick()
+        assert session.snapshot().parts == [2] and session.snapshot().hits.parts.tolist() == [2]
+        session.command("release", {})
+        far = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0, 0, 1]
+        way = {"parts": [2], "poses": [list(np.eye(4).ravel()), far], "clearance": None}
+        session.command("way_take", {"ways": [way]})
+        session.command("joint_take", {"name": "door"})
+        session.engine.tick()
+        assert session.snapshot().is_free and session.snapshot().depth == 0.0
+
+
 @pytest.mark.parametrize("pitch", [0.0, 0.01])
 def test_the_projection_on_a_joint_is_the_nearest_place(pitch: float) -> None:
     axis, point = np.array([0.0, 0.0, 1.0]), np.array([0.1, 0.2, 0.0])

@@ -447,7 +447,7 @@ class Engine:
             self._force, impact = force, self._impact
         is_moved = not np.array_equal(before, self._pose)
         if is_moved or not self._is_settled:
-            self._hits = world.collide(tool, self._pose) if world is not None and tool is not None else NO_HITS
+            self._hits = self._collided(world, tool) if world is not None and tool is not None else NO_HITS
             if self._mode != "stop":
                 self._guarded = None
         if not self._hits:
@@ -458,6 +458,16 @@ class Engine:
         if self._trip is not None and is_other:
             self._trip.moved(self._pose, impact, self._hits)
         return is_other or not self._is_settled
+
+    def _collided(self, world: World, tool: Tool) -> Collision:
+        """What collides; the seats of a joint in the hand do not."""
+        hits, guide = world.collide(tool, self._pose), self._guide
+        if not isinstance(guide, JointGuide) or not hits:
+            return hits
+        mine, others = tool.part_of_face[hits.pairs[:, 0]], world.part_of(hits.pairs[:, 1])
+        pairs = zip(mine.tolist(), others.tolist(), strict=True)
+        kept = np.array([pair not in guide.free.seats for pair in pairs])
+        return world.collision_of(tool, hits.pairs[kept], hits.kind_codes[kept]) if kept.any() else NO_HITS
 
     def _glide_on(self, world: World, tool: Tool, steps: int) -> Impact | None:
         if self._glide is None:
@@ -559,7 +569,9 @@ class Engine:
             self._way_out = world.penetration(tool, self._pose, MARGIN_M) if is_in else None
         else:
             before = self._contains
-            self._contains = not self._hits and world.is_containing(tool, self._pose)
+            # A joint meets nothing in its range: what is inside a part that it moves was there before.
+            is_joint = isinstance(self._guide, JointGuide)
+            self._contains = not self._hits and not is_joint and world.is_containing(tool, self._pose)
             self._stale["depth"] |= self._contains != before  # containment has a depth as well
 
     # ---- state ----

@@ -303,6 +303,9 @@ class Joints:
         frame = poses[above]
         part = next(part for part in state.with_number(number) if part in document.gripped)
         own = next(link for link in state.links if part in link.parts)
+        pairs = {(seat.part, seat.other) for seat in found.seats} | positions.bodies.skipped
+        held = self._held_numbers(document)
+        seats = {(held[a], b) for pair in pairs for a, b in (pair, pair[::-1]) if a in held and b not in held}
         return Freedom(
             number.kind == "turn",
             frame[:3, :3] @ np.array(number.axis),
@@ -312,7 +315,16 @@ class Joints:
             found.lower,
             found.upper,
             motion.matrix(own.pose) @ inverse(motion.matrix(document.gripped[part])),
+            frozenset(seats),
         )
+
+    def _held_numbers(self, document: Document) -> dict[int, int]:
+        """The gripped parts, with the number of each in what is in the hand."""
+        assert self._hands is not None, "a mock-up is open"
+        tool = self._hands.held(document)
+        assert tool is not None, "the hand holds parts"
+        first = tool.part_count - len(document.gripped)
+        return {part: first + number for number, part in enumerate(document.gripped)}
 
     # ---- ranges ----
 
