@@ -247,6 +247,26 @@ def test_undo_and_redo_go_through_all_positions() -> None:
     session.close()
 
 
+def test_the_mechanism_of_the_start_stays_whatever_is_undone(tmp_path: Path) -> None:
+    session = opened(record=tmp_path / "a.rec")
+    _begin_mechanism(session, "door.toml", TEXT)
+    session.command("joint_move", {"name": "hinge", "value": 0.4})
+    session.command("undo", {})
+    with pytest.raises(feeler.WorkbenchError, match="nothing to undo"):
+        session.command("undo", {})
+    assert session.current.mechanism is not None and session.current.mechanism.name == "door.toml"
+    # One that is opened later is a step, also one with a mistake.
+    session.command("mechanism_open", {"name": "other.toml", "text": TEXT})
+    for text in ("", " \n"):
+        with pytest.raises(feeler.WorkbenchError, match=r"e\.toml: there is no \[\[joint\]\]"):
+            session.command("mechanism_open", {"name": "e.toml", "text": text})
+    session.command("undo", {})
+    assert session.current.mechanism.name == "door.toml"
+    session.close()
+    mockup = doors()
+    assert replay(read_record(tmp_path / "a.rec"), mockup, feeler.Scene(mockup), None)
+
+
 def test_who_has_the_tool_moves_the_joints() -> None:
     clock = [0.0]
     session = begun(clock=lambda: clock[0])

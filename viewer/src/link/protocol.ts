@@ -1514,9 +1514,9 @@ export interface Commands {
   readonly seat: { readonly pose: Pose };
   /**
    * Opens a mechanism: the text of a TOML file, and its name. Links of the one before go back to where they are
-   * modelled.
+   * modelled. `is_start`: it was there from the start, and is no step of undo.
    */
-  readonly mechanism_open: { readonly name: string; readonly text: string };
+  readonly mechanism_open: { readonly name: string; readonly text: string; readonly is_start?: boolean };
   /** Closes the mechanism: its links go back to where they are modelled. Lines of the sequence stay. */
   readonly mechanism_close: Record<string, never>;
   /** Moves a joint to a value, radians or metres, as far as contact lets it; joints that follow it follow. */

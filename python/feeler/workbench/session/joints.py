@@ -267,7 +267,7 @@ class Joints:
     def known(self, known: Known, given: Arguments, document: Document, guide: Guide | None) -> Known:
         """What a command needs of joints. guide: of the hand."""
         if given.command == "mechanism_open":
-            made = self.opened(given.text("text", MOST_TEXT), given.text("name"))
+            made = self.opened(given.text("text", MOST_TEXT, may_be_empty=True), given.text("name"))
             return replace(known, mechanism=made, joints=(made.values, tuple(link.pose for link in made.links)))
         if given.command == "joint_move":
             found = self.reached(document, given.text("name"), given.number("value"))

@@ -34,7 +34,7 @@ from feeler.workbench.document.document import UNITS, Document, Loading, Project
 from feeler.workbench.document.findings import doubt_of, findings_of, read_findings, saved
 from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
-from feeler.workbench.document.joint_commands import JOINTS
+from feeler.workbench.document.joint_commands import JOINTS, is_at_start
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest, Turning
@@ -555,7 +555,8 @@ class Session:
             self._engine_follows(before, after)
         # The parts are put down at the end of a replay: one step with it, unless something else was done meanwhile.
         is_end = name == "release" and before.replaying is not None and self._history.last == "sequence_replay"
-        if command is None or not (command.is_of_cards or is_end):
+        is_start = name == "mechanism_open" and is_at_start(Arguments(name, args, COMMANDS[name].arguments))
+        if command is None or not (command.is_of_cards or is_end or is_start):
             self._history.changed(before, step)
         return after
 
