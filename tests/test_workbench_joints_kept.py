@@ -334,6 +334,7 @@ def test_tables_and_reports_say_that_a_joint_moved_the_parts() -> None:
     assert len(rows) == 3 and all(row.endswith("moved by a joint") for row in rows[1:]), rows
     steps = session.job("report", {"pictures": 0}).result(timeout=60)
     page = session.export(steps["name"]).decode()
+    assert "2 moves of joints" in page and "of ways" not in page
     assert "hinge from 0° to 28.65°" in page and "drawer from 0 mm to 250 mm" in page and "nothing near" not in page
     session.close()
 
