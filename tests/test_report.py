@@ -658,8 +658,8 @@ def test_a_question_says_of_which_mock_up_it_is(there: Path) -> None:
     page = as_html.html_page(replace(report, questions=asked), Media()).decode()
     assert re.findall("About the mock-up[^<]*", page) == [
         "About the mock-up: as loaded.",
-        "About the mock-up: before the first removal of the sequence.",
-        "About the mock-up: after 2 removals of the sequence.",
+        "About the mock-up: before the first step of the sequence.",
+        "About the mock-up: after 2 steps of the sequence.",
     ]
 
 

@@ -321,6 +321,7 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "is_on": st.booleans(),
     "catalogue": st.booleans(),
     "is_added": st.booleans(),
+    "is_start": st.booleans(),
     "line": st.integers(1, 6),
     "share": st.floats(0, 1),
     "normal": st.tuples(*[st.floats(-1, 1)] * 3).map(list),

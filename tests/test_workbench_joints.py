@@ -71,7 +71,7 @@ def test_a_slider_stops_at_contact_and_shows_all_pages_where(session: Session) -
     seen: list[dict] = []
     session.subscribe(seen.append)
     place = session.ask("joint_to", {"name": "hinge", "value": 2.0})
-    assert place is not None and place["value"] == pytest.approx(upper, abs=1e-9) and place["is_stopped"]
+    assert place is not None and place["value"] == pytest.approx(upper, abs=1e-9) and place["stop"] == "contact"
     assert place["met"]["other"] == WALL and 0.5 < upper < 2.0
     shown = [event for event in seen if event["type"] == "joints"]
     turned = np.reshape(shown[-1]["poses"][0], (4, 4))
@@ -79,6 +79,8 @@ def test_a_slider_stops_at_contact_and_shows_all_pages_where(session: Session) -
     assert not session.current.moved, "it is shown, and changes nothing"
     below = session.ask("joint_to", {"name": "hinge", "value": -1.5})
     assert below is not None and below["value"] == pytest.approx(max(lower, -1.5)) and below["met"]["other"] == BOX
+    end = session.ask("joint_to", {"name": "hinge", "value": -2.0})
+    assert end is not None and end["stop"] == ("contact" if lower > -1.5 else "limit"), end
     session.ask("joint_to", {"name": "hinge", "value": None})
     assert seen[-1]["poses"] is None
 
@@ -88,8 +90,8 @@ def test_ignored_pairs_stop_nothing(session: Session) -> None:
     text = 'ignore = [["wall", "door"], ["knob", 1]]\n' + TEXT
     session.command("mechanism_open", {"name": "door.toml", "text": text})
     passes = session.ask("joint_to", {"name": "hinge", "value": 2.0})
-    assert stops is not None and stops["is_stopped"]
-    assert passes is not None and passes["value"] == pytest.approx(2.0) and not passes["is_stopped"]
+    assert stops is not None and stops["stop"] == "contact"
+    assert passes is not None and passes["value"] == pytest.approx(2.0) and passes["stop"] is None
 
 
 def test_a_move_is_one_step_of_undo_and_the_scene_stands_there(session: Session) -> None:
@@ -268,6 +270,36 @@ def test_a_part_in_the_hand_is_felt_on_its_joint(session: Session) -> None:
     session.command("undo", {})
     session.command("undo", {})
     assert session.current.mechanism.values["hinge"] == 0.0 and not session.current.moved
+
+
+def test_a_joint_in_the_hand_does_not_touch_its_own_seats() -> None:
+    """A pin through the door is none of its contacts, nor is what the mechanism ignores; a bolt through it is one."""
+    boxes = [
+        corners((0.0, -0.01, 0.0), (1.0, 0.01, 1.0)),
+        corners((-0.005, -0.005, -0.1), (0.005, 0.005, 1.1)),
+        corners((0.5, -0.2, 0.4), (0.52, 0.2, 0.42)),
+        corners((0.7, -0.2, 0.4), (0.72, 0.2, 0.42)),
+    ]
+    names = ["door", "pin", "bolt", "strap"]
+    faces = np.concatenate([FACES + 8 * i for i in range(4)])
+    mockup = feeler.Mockup(np.concatenate(boxes), faces, np.repeat(np.arange(4), 12), names)
+    text = 'ignore = [["strap", "door"]]\n' + "".join(
+        f'[[joint]]\nname = "{child}"\nkind = "{kind}"\nchild = "{child}"\naxis = [0, 0, 1]\n'
+        for child, kind in (("door", "revolute"), ("bolt", "prismatic"), ("strap", "prismatic"))
+    )
+    with Session(has_threads=False) as session:
+        session.open(mockup, feeler.Scene(mockup), None)
+        session.command("mechanism_open", {"name": "m.toml", "text": text})
+        session.command("joint_take", {"name": "door"})
+        session.engine.tick()
+        assert session.snapshot().parts == [2] and session.snapshot().hits.parts.tolist() == [2]
+        session.command("release", {})
+        far = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0, 0, 1]
+        way = {"parts": [2], "poses": [list(np.eye(4).ravel()), far], "clearance": None}
+        session.command("way_take", {"ways": [way]})
+        session.command("joint_take", {"name": "door"})
+        session.engine.tick()
+        assert session.snapshot().is_free and session.snapshot().depth == 0.0
 
 
 @pytest.mark.parametrize("pitch", [0.0, 0.01])

@@ -14,6 +14,7 @@ from workbench_scene import FACES, corners
 import feeler
 from feeler.cli.view import _begin_mechanism
 from feeler.project.book import open_or_make
+from feeler.workbench.document.line_facts import line_length
 from feeler.workbench.engine.mechanism import text_of
 from feeler.workbench.session.export import sequence_csv
 from feeler.workbench.session.record import read_record
@@ -147,6 +148,84 @@ def test_a_record_with_joints_gives_the_same_again(tmp_path: Path) -> None:
     assert found.parted is None and found.commands == 10, found.parted
 
 
+def test_a_record_of_a_door_in_the_hand_gives_the_same_bits(tmp_path: Path) -> None:
+    path = tmp_path / "a.rec"
+    session = begun(record=path)
+    session.command("joint_move", {"name": "hinge", "value": 0.3})
+    session.command("joint_take", {"name": "hinge"})
+    session.engine.tick()
+    for number in range(1, 40):
+        wish = np.array(session.engine.pose)
+        wish[:3, 3] += (-0.013, 0.007 * number, 0.01)
+        session.wish(wish, number, "mouse")
+        session.engine.tick()
+    session.command("release", {})
+    session.close()
+    mockup = doors()
+    found = replay(read_record(path), mockup, feeler.Scene(mockup), None)
+    assert found.parted is None and found.ticks >= 40, found.parted
+
+
+def test_where_a_joint_stops_does_not_depend_on_what_was_asked_before() -> None:
+    """From elsewhere in its range a cast ends elsewhere by rounding."""
+
+    def stop(first: list[tuple[str, float]]) -> float:
+        session = begun()
+        for name, value in first:
+            session.ask("joint_to", {"name": "hinge", "value": 3.0})
+            session.command("joint_move", {"name": name, "value": value})
+        session.command("joint_move", {"name": "hinge", "value": 3.0})
+        found = values(session)["hinge"]
+        session.close()
+        return found
+
+    places = np.linspace(0.1, 0.9, 4)
+    assert [stop([("hinge", at)]) for at in places] == [
+        stop([("drawer", 0.1), ("hinge", at), ("drawer", 0.0)]) for at in places
+    ]
+
+
+ENDLESS = """
+[[joint]]
+name = "hinge"
+kind = "revolute"
+child = ["door", "knob"]
+
+[[joint]]
+name = "drawer"
+kind = "prismatic"
+child = "drawer"
+axis = [0, -1, 0]
+"""
+
+
+def test_a_joint_without_limits_goes_where_it_is_told_to(tmp_path: Path) -> None:
+    """More than a turn, or than twice the size of the mock-up; the check of its step says the same, and a record."""
+    session = opened(doors(9.0), record=tmp_path / "a.rec")
+    session.command("mechanism_open", {"name": "m.toml", "text": ENDLESS})
+    session.command("joint_move", {"name": "drawer", "value": 2.0})
+    session.command("joint_step", {})
+    for name, value in (("hinge", math.radians(450)), ("hinge", math.radians(-900)), ("drawer", 60.0)):
+        place = session.ask("joint_to", {"name": name, "value": value})
+        assert (place["value"], place["stop"], place["why"]) == (value, None, "")
+        session.command("joint_move", {"name": name, "value": value})
+        assert values(session)[name] == value
+    session.command("joint_step", {})
+    for line in session.current.sequence[1:]:
+        session.command("way_check", {"id": line.id})
+    end = time.monotonic() + 60.0
+    while any(card.state not in ("done", "failed") for card in session.current.cards):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    told = [card.sentence for card in session.current.cards]
+    assert told == ["hinge moves freely from 0° to -900°.", "drawer moves freely from 2000 mm to 60000 mm."], told
+    far = session.ask("joint_to", {"name": "drawer", "value": 1e6})
+    assert far["stop"] == "end" and far["why"].startswith("'drawer' has no limit: it was followed to "), far
+    session.close()
+    mockup = doors(9.0)
+    assert replay(read_record(tmp_path / "a.rec"), mockup, feeler.Scene(mockup), None)
+
+
 def test_undo_and_redo_go_through_all_positions() -> None:
     session = begun()
     for name, value in (("hinge", 0.3), ("drawer", 0.2), ("hinge", -0.2)):
@@ -166,6 +245,26 @@ def test_undo_and_redo_go_through_all_positions() -> None:
     session.command("joint_move", {"name": "drawer", "value": 0.0})
     assert known(session)["hinge"].lower != lower
     session.close()
+
+
+def test_the_mechanism_of_the_start_stays_whatever_is_undone(tmp_path: Path) -> None:
+    session = opened(record=tmp_path / "a.rec")
+    _begin_mechanism(session, "door.toml", TEXT)
+    session.command("joint_move", {"name": "hinge", "value": 0.4})
+    session.command("undo", {})
+    with pytest.raises(feeler.WorkbenchError, match="nothing to undo"):
+        session.command("undo", {})
+    assert session.current.mechanism is not None and session.current.mechanism.name == "door.toml"
+    # One that is opened later is a step, also one with a mistake.
+    session.command("mechanism_open", {"name": "other.toml", "text": TEXT})
+    for text in ("", " \n"):
+        with pytest.raises(feeler.WorkbenchError, match=r"e\.toml: there is no \[\[joint\]\]"):
+            session.command("mechanism_open", {"name": "e.toml", "text": text})
+    session.command("undo", {})
+    assert session.current.mechanism.name == "door.toml"
+    session.close()
+    mockup = doors()
+    assert replay(read_record(tmp_path / "a.rec"), mockup, feeler.Scene(mockup), None)
 
 
 def test_who_has_the_tool_moves_the_joints() -> None:
@@ -235,7 +334,28 @@ def test_tables_and_reports_say_that_a_joint_moved_the_parts() -> None:
     assert len(rows) == 3 and all(row.endswith("moved by a joint") for row in rows[1:]), rows
     steps = session.job("report", {"pictures": 0}).result(timeout=60)
     page = session.export(steps["name"]).decode()
+    assert "2 moves of joints" in page and "of ways" not in page
     assert "hinge from 0° to 28.65°" in page and "drawer from 0 mm to 250 mm" in page and "nothing near" not in page
+    session.close()
+
+
+def test_a_step_of_a_door_is_as_long_as_the_step_back() -> None:
+    """Also of a knob on the door, whose box turns with it."""
+    text = TEXT.replace('["door", "knob"]', '["door"]') + (
+        '[[joint]]\nname = "turn"\nkind = "revolute"\nparent = "door"\nchild = "knob"\naxis = [0, 1, 0]\n'
+        "point_m = [0.9, 0, 0.4]\n"
+    )
+    mockup = doors(9.0)
+    session = opened(mockup)
+    session.command("mechanism_open", {"name": "door.toml", "text": text})
+    for moves in ((("turn", 0.5), ("hinge", 0.9)), (("turn", 0.0),), (("hinge", 0.4),), (("hinge", 0.9),)):
+        for name, value in moves:
+            session.command("joint_move", {"name": name, "value": value})
+        session.command("joint_step", {})
+    lengths = [line_length(line, mockup.part_bounds) for line in session.current.sequence]
+    radius = math.hypot(0.025, 0.05)  # of the middle of the knob about its axis
+    assert lengths[0] == pytest.approx(0.5 * radius, rel=1e-3) and lengths[2] == pytest.approx(lengths[0], rel=1e-9)
+    assert lengths[3] == pytest.approx(lengths[4], rel=1e-9)
     session.close()
 
 

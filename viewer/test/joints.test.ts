@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { isRules, JointMover } from "../src/actions/joints";
+import { isRules, JointMover, stopText } from "../src/actions/joints";
 import type { JointPlace, JointRange, Mechanism } from "../src/link/protocol";
 import { IDENTITY, translation } from "../src/math/matrix";
 import { barOf, gapClass, gapText, isFixed, numberOf, partsOf, placesAt, spanOf, stepped } from "../src/model/joints";
@@ -46,6 +46,17 @@ const RANGE: JointRange = {
   ],
 };
 
+test("a joint says what stops it, and a limit only where it has one", () => {
+  const place: JointPlace = { name: "crank", value: 1, stop: "limit", met: null, why: "", values: {} };
+  const path = (part: number) => `part ${part}`;
+  assert.equal(stopText(place, path), "crank is at its limit");
+  assert.equal(
+    stopText({ ...place, stop: "contact", met: { part: 1, other: 2, point: [0, 0, 0] } }, path),
+    "crank stops: part 1 meets part 2",
+  );
+  assert.equal(stopText({ ...place, stop: "end", why: "it has no limit" }, path), "it has no limit");
+});
+
 test("the bar is coloured by the gap", () => {
   assert.deepEqual(
     barOf(RANGE, [-2, 2]).map(({ from, to, gap }) => [from, to, gap]),
@@ -70,7 +81,9 @@ function slow() {
       asked.push([name, value]);
       return new Promise<JointPlace>((resolve) => {
         const place = Math.min(1, value ?? 0);
-        answers.push(() => resolve({ name, value: place, is_stopped: place !== value, met: null, values: {} }));
+        answers.push(() =>
+          resolve({ name, value: place, stop: place !== value ? "limit" : null, met: null, why: "", values: {} }),
+        );
       });
     },
     move: async (name: string, value: number) => {

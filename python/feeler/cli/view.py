@@ -238,7 +238,7 @@ def _begin_mechanism(session: Session, name: str, text: str) -> None:
     """Opens a mechanism; one that the project has already stays where its joints stand."""
     kept = session.current.mechanism
     if kept is None or kept.text != text:
-        session.command("mechanism_open", {"name": name, "text": text}, None)
+        session.command("mechanism_open", {"name": name, "text": text, "is_start": True}, None)
 
 
 def _mechanism_of(path: Path) -> tuple[str, str]:
@@ -435,13 +435,13 @@ class _Opening:
         session.open(world, scene, in_hand, tools=tools, name=name, doubts=shown, kept=unplaced(work))
         if self.project is not None and not self.project.is_read_only:
             keep_work(self.project, work)
+        joints, self.mechanism = self.mechanism, None
+        if joints is not None:
+            _begin_mechanism(session, *joints)
         if self._findings is not None:
             doubt = session.load_findings(self._findings)
             if doubt:
                 warn(f"--findings: {doubt}")
-        joints, self.mechanism = self.mechanism, None
-        if joints is not None:
-            _begin_mechanism(session, *joints)
         if self.catalogue is not None:
             _begin_catalogue(session, *self.catalogue)
         if is_first and self._held is not None and probe is not None and not self._is_over:

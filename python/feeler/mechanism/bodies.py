@@ -42,7 +42,7 @@ class Bodies:
         """ignore: `(k, 2)` pairs of parts that are skipped in all questions."""
         self.mockup, self.links = mockup, links
         self._given = scene
-        self._skipped = set() if ignore is None else {(int(a), int(b)) for row in ignore for a, b in (row, row[::-1])}
+        self.skipped = set() if ignore is None else {(int(a), int(b)) for row in ignore for a, b in (row, row[::-1])}
         of_name = {name: link.number for link in links.links for name in link.joint.names}
         self._joined = {frozenset((link.number, link.above)) for link in links.links}
         self._joined |= {frozenset((of_name[each.joint], of_name[each.of])) for each in couplings}
@@ -134,7 +134,7 @@ class Bodies:
             self._seats[key] = tuple(
                 seat
                 for seat in found
-                if (is_joined or seat.kind in ("touching", "round")) and (seat.part, seat.other) not in self._skipped
+                if (is_joined or seat.kind in ("touching", "round")) and (seat.part, seat.other) not in self.skipped
             )
         return self._seats[key]
 
@@ -148,7 +148,7 @@ class Bodies:
             found = set(zip(near.tool_parts.tolist(), near.parts.tolist(), strict=True))
             found |= {(int(a), int(b)) for a, b in World(around, []).seated_parts(tool, np.eye(4))}
             own = self.parts(one)
-            self._touching[key] = sorted(pair for pair in found if (own[pair[0]], pair[1]) not in self._skipped)
+            self._touching[key] = sorted(pair for pair in found if (own[pair[0]], pair[1]) not in self.skipped)
         return self._touching[key]
 
     def ignored(self, one: int, other: int, more: Iterable[tuple[int, int]] = ()) -> IgnoredPairs | None:
@@ -158,9 +158,9 @@ class Bodies:
     def without(self, one: int, pairs: Sequence[tuple[int, int]]) -> IgnoredPairs | None:
         """Pairs of a part of the tool of a link and one of the mock-up, and those that are ignored, as queries skip
         them; None for none."""
-        if self._skipped:
+        if self.skipped:
             number = {part: place for place, part in enumerate(self.parts(one))}
-            skipped = {(number[part], other) for part, other in self._skipped if part in number}
+            skipped = {(number[part], other) for part, other in self.skipped if part in number}
             pairs = sorted(skipped.union(pairs))
         if not pairs:
             return None

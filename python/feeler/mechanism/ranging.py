@@ -68,11 +68,11 @@ def range_of(mechanism: Positions, name: str, given: Mapping[str, float] | None)
     for end, limit in zip(span(mechanism, name, start), mechanism.limits(name) or (-np.inf, np.inf), strict=True):
         value, met, ended = _end(mechanism, name, at, (start, end), pairs, origin)
         if met is None and not ended and end != limit:
-            if np.isfinite(limit) and _repeats(mechanism, name):
+            if np.isfinite(limit) and repeats(mechanism, name):
                 value = limit  # a turn is all
             elif np.isfinite(limit):
                 ended = f"{name!r} was followed to {mechanism.said(name, end)}, not to its limit: it has too many turns"
-            elif not _repeats(mechanism, name):
+            elif not repeats(mechanism, name):
                 ended = f"{name!r} has no limit: it was followed to {mechanism.said(name, end)}"
         found.append((value, met))
         why = "; ".join(dict.fromkeys(each for each in (why, ended) if each))
@@ -88,9 +88,9 @@ def span(mechanism: Positions, name: str, start: float) -> tuple[float, float]:
     """
     far = _TURN if mechanism.turns(name) else _SIZES * mechanism.size
     lower, upper = mechanism.limits(name) or (-np.inf, np.inf)
-    if _repeats(mechanism, name) or not np.isfinite(lower):
+    if repeats(mechanism, name) or not np.isfinite(lower):
         lower = max(lower, start - far)
-    if _repeats(mechanism, name) or not np.isfinite(upper):
+    if repeats(mechanism, name) or not np.isfinite(upper):
         upper = min(upper, start + far)
     most = _most(mechanism, name)
     return float(max(lower, start - most)), float(min(upper, start + most))
@@ -107,7 +107,7 @@ def _most(mechanism: Positions, name: str) -> float:
     return _MOST_TURN / max(rates, default=1e-300)
 
 
-def _repeats(mechanism: Positions, name: str) -> bool:
+def repeats(mechanism: Positions, name: str) -> bool:
     """Whether a turn of a joint leads back to where it begins: it alone turns, without pitch."""
     mine = mechanism.driven[name].root
     is_alone = sum(by.root == mine for by in mechanism.driven.values()) == 1 and not mechanism.loops_of(name)

@@ -106,7 +106,7 @@ def view(
         session.open(scene.mockup, scene, tool, pose=start, mode=mode)
         if mechanism is not None:
             text = text_of(mechanism)
-            session.command("mechanism_open", {"name": "mechanism", "text": text}, None)
+            session.command("mechanism_open", {"name": "mechanism", "text": text, "is_start": True}, None)
     except BaseException:
         session.close()
         raise

@@ -435,10 +435,10 @@ class ViewCommands:
         """Puts the tool at a pose at once, without a motion that contact could stop, as into a seat that was found."""
         return self.command("seat", pose=plain_pose(pose))
 
-    def mechanism_open(self, name: str, text: str) -> CommandAnswer:
+    def mechanism_open(self, name: str, text: str, is_start: bool | None = None) -> CommandAnswer:
         """Opens a mechanism: the text of a TOML file, and its name. Links of the one before go back to where they are
-        modelled."""
-        return self.command("mechanism_open", name=name, text=text)
+        modelled. `is_start`: it was there from the start, and is no step of undo."""
+        return self._command("mechanism_open", name=name, text=text, is_start=is_start)
 
     def mechanism_close(self) -> CommandAnswer:
         """Closes the mechanism: its links go back to where they are modelled. Lines of the sequence stay."""

@@ -188,14 +188,19 @@ export function moverOf(wb: Workbench): JointMover {
     (place) => {
       const before = store.joint_place.peek();
       store.joint_place.value = place;
-      const { met, name } = place;
-      if (place.is_stopped && !(before?.is_stopped && before.name === name && before.value === place.value)) {
-        wb.say(met ? `${name} stops: ${wb.path(met.part)} meets ${wb.path(met.other)}` : `${name} is at its limit`);
-      }
+      const { name, stop, value } = place;
+      if (stop && !(before?.stop && before.name === name && before.value === value))
+        wb.say(stopText(place, (part) => wb.path(part)));
     },
   );
   movers.set(wb, mover);
   return mover;
+}
+
+/** Why a joint stops. */
+export function stopText({ name, met, why }: JointPlace, path: (part: number) => string): string {
+  if (met) return `${name} stops: ${path(met.part)} meets ${path(met.other)}`;
+  return why || `${name} is at its limit`;
 }
 
 /** The joint by which a part of the picture can be dragged; null: none, or it cannot be moved now. */

@@ -1,7 +1,8 @@
 // Opening another mock-up: files of the user's machine, which the page sends to the server, or a sample.
 
+import type { ReadonlySignal } from "@preact/signals";
 import type { Opens } from "../link/openings";
-import type { Unit } from "../link/protocol";
+import type { Document, Unit } from "../link/protocol";
 import { chooseSeveral } from "./choosing";
 import { takeFindings } from "./findings";
 import { isMechanism, openMechanism } from "./joints";
@@ -19,22 +20,28 @@ export const WHILE_LOADING = "while loading";
 
 /** Why these files cannot be opened, in a sentence; null: they can. */
 export function whyNot(files: readonly Pick<File, "name" | "size">[], opens: Opens): string | null {
-  const [first] = files;
-  if (!first) return "No file was chosen.";
+  if (files.length === 0) return "No file was chosen.";
   const project = files.find((file) => suffixOf(file.name) === PROJECT);
   if (project) return `${project.name} is a project: start feeler view ${project.name} to open it.`;
+  const { meshes, mechanisms } = parted(files);
+  if (mechanisms.length > 1) return `${mechanisms.length} mechanisms were chosen: choose one with the mock-up.`;
   const known = new Set([...opens.formats, ...opens.companions]);
-  const other = files.find((file) => !known.has(suffixOf(file.name)));
-  const isMesh = files.some((file) => opens.formats.includes(suffixOf(file.name)));
+  const other = meshes.find((file) => !known.has(suffixOf(file.name)));
+  const isMesh = meshes.some((file) => opens.formats.includes(suffixOf(file.name)));
   if (other || !isMesh) {
-    return `${(other ?? first).name} is in no format that feeler reads: choose ${opens.formats.join(", ")}.`;
+    return `${(other ?? files[0])?.name} is in no format that feeler reads: choose ${opens.formats.join(", ")}.`;
   }
-  if (files.length > opens.most_files) {
-    return `${files.length} files are more than ${opens.most_files}: start feeler view with their folder.`;
+  if (meshes.length > opens.most_files) {
+    return `${meshes.length} files are more than ${opens.most_files}: start feeler view with their folder.`;
   }
-  const bytes = files.reduce((sum, file) => sum + file.size, 0);
+  const bytes = meshes.reduce((sum, file) => sum + file.size, 0);
   if (bytes > opens.most_bytes) return "The files are too large to send: start feeler view with them.";
   return null;
+}
+
+/** The files of a mock-up, and the mechanisms that were chosen with them. */
+function parted<Named extends Pick<File, "name">>(files: readonly Named[]): { meshes: Named[]; mechanisms: Named[] } {
+  return { meshes: files.filter((file) => !isMechanism(file)), mechanisms: files.filter(isMechanism) };
 }
 
 /** Whether something would be lost with the present mock-up. */
@@ -51,7 +58,7 @@ export function hasWork(wb: Workbench): boolean {
 /** Lets the user choose files. */
 export function chooseFiles(wb: Workbench): void {
   const { opens } = wb.store;
-  const accept = [...(opens.peek()?.formats ?? []), ...(opens.peek()?.companions ?? [])].join(",");
+  const accept = [...(opens.peek()?.formats ?? []), ...(opens.peek()?.companions ?? []), ".toml"].join(",");
   chooseSeveral(accept, (files) => takeFiles(wb, files));
 }
 
@@ -80,17 +87,50 @@ export function takeFiles(wb: Workbench, files: readonly File[]): void {
   } else void openFiles(wb, files);
 }
 
-/** Sends files and opens them. */
+/** Sends files and opens them; a mechanism among them once the mock-up is there. */
 export async function openFiles(wb: Workbench, files: readonly File[], unit: string | null = null): Promise<void> {
   const { link, store } = wb;
   store.pending_files.value = [];
   if (store.dialog.peek() === "open") store.dialog.value = null;
+  const { meshes, mechanisms } = parted(files);
+  const [mechanism] = mechanisms;
+  const loading = new AbortController();
   try {
-    const number = await sendFiles(wb, files, "open");
-    if (number !== null) await link?.openMockup({ files: number, sample: null, unit });
+    const number = await sendFiles(wb, meshes, "open");
+    if (number === null || !link) return;
+    const isThere = mechanism && isOpened(store.document, meshes, loading.signal);
+    await link.openMockup({ files: number, sample: null, unit });
+    if (mechanism && (await isThere)) await openMechanism(wb, mechanism);
   } catch (error) {
+    loading.abort();
     refused(wb, error);
   }
+}
+
+/** Ends once a mock-up was loaded: whether it is the one of these files. What fails leaves the present one, and is told. */
+export function isOpened(
+  document: Pick<ReadonlySignal<Document | null>, "peek" | "subscribe">,
+  files: readonly Pick<File, "name">[],
+  signal: AbortSignal,
+): Promise<boolean> {
+  const before = document.peek()?.mockup ?? null;
+  return new Promise((resolve) => {
+    let hasBegun = false;
+    const end = document.subscribe((now) => {
+      if (now?.loading) hasBegun = true;
+      else if (now && hasBegun) {
+        hasBegun = false;
+        queueMicrotask(() => end());
+        const { mockup } = now;
+        // The same file again may leave the same facts.
+        resolve(mockup !== null && (mockup !== before || files.some((file) => file.name === mockup.name)));
+      }
+    });
+    signal.addEventListener("abort", () => {
+      end();
+      resolve(false);
+    });
+  });
 }
 
 export async function openSample(wb: Workbench, sample: string): Promise<void> {

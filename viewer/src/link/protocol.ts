@@ -407,10 +407,11 @@ export interface JointPlace {
   readonly name: string;
   /** Radians or metres. */
   readonly value: number;
-  /** Contact or a limit ends it there. */
-  readonly is_stopped: boolean;
-  /** Null: a limit. */
+  /** What ends it there. end: neither contact nor a limit, and `why` says what. */
+  readonly stop: "contact" | "limit" | "end" | null;
+  /** What it meets. */
   readonly met: JointMet | null;
+  readonly why: string;
   /** All numbers. */
   readonly values: Readonly<Record<string, number>>;
 }
@@ -1523,9 +1524,9 @@ export interface Commands {
   readonly seat: { readonly pose: Pose };
   /**
    * Opens a mechanism: the text of a TOML file, and its name. Links of the one before go back to where they are
-   * modelled.
+   * modelled. `is_start`: it was there from the start, and is no step of undo.
    */
-  readonly mechanism_open: { readonly name: string; readonly text: string };
+  readonly mechanism_open: { readonly name: string; readonly text: string; readonly is_start?: boolean };
   /** Closes the mechanism: its links go back to where they are modelled. Lines of the sequence stay. */
   readonly mechanism_close: Record<string, never>;
   /** Moves a joint to a value, radians or metres, as far as contact lets it; joints that follow it follow. */

@@ -178,7 +178,7 @@ function Slider(props: {
   useEffect(() => {
     if (input.current) input.current.value = String(value);
   }, [value, place, least, most]);
-  const stopped = place?.name === name && place.is_stopped ? ", stopped" : "";
+  const stopped = place?.name === name && place.stop ? ", stopped" : "";
   const onKey = (event: KeyboardEvent): void => {
     const mover = moverOf(wb);
     if (event.key === "Escape") {

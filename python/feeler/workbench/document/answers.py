@@ -23,10 +23,11 @@ class JointPlace(TypedDict):
     name: str
     value: float
     """Radians or metres."""
-    is_stopped: bool
-    """Contact or a limit ends it there."""
+    stop: Literal["contact", "limit", "end"] | None
+    """What ends it there. end: neither contact nor a limit, and `why` says what."""
     met: JointMet | None
-    """Null: a limit."""
+    """What it meets."""
+    why: str
     values: dict[str, float]
     """All numbers."""
 

@@ -139,11 +139,12 @@ class Arguments:
             raise self.fail(name, f"{_shown(value)} is not a whole number from {low} to {high}", "send one that is")
         return value
 
-    def text(self, name: str, most: int = _MOST_TEXT) -> str:
-        """A text, not empty."""
+    def text(self, name: str, most: int = _MOST_TEXT, *, may_be_empty: bool = False) -> str:
+        """A text; `may_be_empty`: that of a file, which says itself what it lacks."""
         value = self.raw(name, str)
-        if not isinstance(value, str) or not value.strip() or len(value) > most:
-            raise self.fail(name, f"{_shown(value)} is not text, or too long", f"send 1 to {most} characters")
+        if not isinstance(value, str) or not (value.strip() or may_be_empty) or len(value) > most:
+            least = 0 if may_be_empty else 1
+            raise self.fail(name, f"{_shown(value)} is not text, or too long", f"send {least} to {most} characters")
         if any("\ud800" <= each <= "\udfff" for each in value):
             raise self.fail(name, f"{_shown(value)} has half a character", "send characters that can be written")
         return value

@@ -363,7 +363,7 @@ def _setting(document: Document, left_out: tuple[int, ...], known: Known) -> str
 
 def line_setting(at: int) -> str:
     """The same for a line of the sequence at a place."""
-    return f"after {plural(at, 'removal')} of the sequence" if at else "before the first removal of the sequence"
+    return f"after {plural(at, 'step')} of the sequence" if at else "before the first step of the sequence"
 
 
 def told(document: Document, number: int, **changes: Any) -> Document:

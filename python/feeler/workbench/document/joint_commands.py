@@ -27,12 +27,18 @@ SMALLEST = 1e-9
 
 def mechanism_open(document: Document, given: Arguments, known: Known) -> Document:
     """Opens a mechanism: the text of a TOML file, and its name. Links of the one before go back to where they are
-    modelled."""
+    modelled. `is_start`: it was there from the start, and is no step of undo."""
     given.text("name")
+    is_at_start(given)
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     back = _closed(document)
     return _placed(replace(back, mechanism=_found(known, given)), known, given)
+
+
+def is_at_start(given: Arguments) -> bool:
+    """Whether a mechanism is opened that was there from the start."""
+    return given.has("is_start") and given.flag("is_start")
 
 
 def mechanism_close(document: Document, given: Arguments, _known: Known) -> Document:
@@ -207,7 +213,7 @@ def _carry(moved: dict[int, Row], parts: Iterable[int], pose: Row) -> None:
 
 
 def _found(known: Known, given: Arguments) -> MechanismState:
-    given.text("text", MOST_TEXT)
+    given.text("text", MOST_TEXT, may_be_empty=True)
     if known.mechanism is None:
         raise WorkbenchError("the mechanism is not known", given.command, "send it to an open workbench")
     return known.mechanism

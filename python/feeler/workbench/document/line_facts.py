@@ -9,7 +9,7 @@ import numpy as np
 
 from feeler.poses import inverse
 from feeler.workbench.document.document import Card, Document, Removal, is_stale
-from feeler.workbench.document.motion import Floats, matrix, middle_of, steps_of
+from feeler.workbench.document.motion import Floats, matrix, middle_of, row, steps_of
 
 
 def line_steps(line: Removal, motions: Floats, bounds: Floats) -> tuple[list[float], list[float]]:
@@ -18,7 +18,11 @@ def line_steps(line: Removal, motions: Floats, bounds: Floats) -> tuple[list[flo
     motions: of the parts, `(n, 4, 4)`. bounds: of all parts of the mock-up.
     """
     boxes = bounds.reshape(-1, 2, 3)[list(line.parts)]
-    return steps_of(motions, middle_of(boxes, [line.before[part] for part in line.parts]))
+    places = [matrix(line.before[part]) for part in line.parts]
+    # The box of what a joint moves turns with it, so that the way there is as long as the way back.
+    frame = np.eye(4) if line.joint is None else places[0]
+    middle = middle_of(boxes, [row(inverse(frame) @ place) for place in places])
+    return steps_of(motions, frame[:3, :3] @ middle + frame[:3, 3])
 
 
 def line_length(line: Removal, bounds: Floats) -> float:

@@ -134,6 +134,7 @@ class Engine:
         self._idle: Ticked | None = None
         self._is_quiet = False
         self._is_held = False
+        self._is_replayed = False  # the round that runs is one of a record
         self._rested = 0  # rounds without news, in a row
         self._was_idle = False  # after the latest round
         self._way: list[Floats] = []
@@ -251,7 +252,11 @@ class Engine:
         """Runs a round from a record."""
         with self._lock:
             self.wish(wish, seq, source)
-            self._round(steps)
+            self._is_replayed = True
+            try:
+                self._round(steps)
+            finally:
+                self._is_replayed = False
             return self._ticked(steps)
 
     def shown(self, pose: Floats, wish: Floats, *, is_last: bool) -> None:
@@ -387,9 +392,10 @@ class Engine:
             return False
         pose, self._seq, self._source, time = newest
         guide = self._guide
-        # A device feels the way instead; what is placed or replayed goes where it was told to.
+        # A device feels the way instead, and what is placed goes where it was told to. Records have wishes as drawn.
         is_joint = isinstance(guide, JointGuide)
-        if guide is not None and (is_joint or (self._source != "device" and not (self._is_quiet or self._is_held))):
+        is_free = self._source == "device" or self._is_quiet
+        if guide is not None and not self._is_replayed and (is_joint or not is_free):
             pose = guide.drawn(pose)
         self._wish_elapsed, self._wish_time = max(1e-3, time - self._wish_time), time
         self._hand_from, self._wish = self._wish, pose
@@ -441,7 +447,7 @@ class Engine:
             self._force, impact = force, self._impact
         is_moved = not np.array_equal(before, self._pose)
         if is_moved or not self._is_settled:
-            self._hits = world.collide(tool, self._pose) if world is not None and tool is not None else NO_HITS
+            self._hits = self._collided(world, tool) if world is not None and tool is not None else NO_HITS
             if self._mode != "stop":
                 self._guarded = None
         if not self._hits:
@@ -452,6 +458,16 @@ class Engine:
         if self._trip is not None and is_other:
             self._trip.moved(self._pose, impact, self._hits)
         return is_other or not self._is_settled
+
+    def _collided(self, world: World, tool: Tool) -> Collision:
+        """What collides; the seats of a joint in the hand do not."""
+        hits, guide = world.collide(tool, self._pose), self._guide
+        if not isinstance(guide, JointGuide) or not hits:
+            return hits
+        mine, others = tool.part_of_face[hits.pairs[:, 0]], world.part_of(hits.pairs[:, 1])
+        pairs = zip(mine.tolist(), others.tolist(), strict=True)
+        kept = np.array([pair not in guide.free.seats for pair in pairs])
+        return world.collision_of(tool, hits.pairs[kept], hits.kind_codes[kept]) if kept.any() else NO_HITS
 
     def _glide_on(self, world: World, tool: Tool, steps: int) -> Impact | None:
         if self._glide is None:
@@ -553,7 +569,9 @@ class Engine:
             self._way_out = world.penetration(tool, self._pose, MARGIN_M) if is_in else None
         else:
             before = self._contains
-            self._contains = not self._hits and world.is_containing(tool, self._pose)
+            # A joint meets nothing in its range: what is inside a part that it moves was there before.
+            is_joint = isinstance(self._guide, JointGuide)
+            self._contains = not self._hits and not is_joint and world.is_containing(tool, self._pose)
             self._stale["depth"] |= self._contains != before  # containment has a depth as well
 
     # ---- state ----

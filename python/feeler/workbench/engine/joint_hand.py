@@ -27,7 +27,8 @@ class Freedom:
     """A joint where it stands, and how far it is free. axis: unit, through `point`, world. pitch: metres a turn.
 
     value: radians of a turn, metres of a slide. lower, upper: the free range. hand: the hand's pose where the joint
-    has that value.
+    has that value. seats: pairs of a part of what is in the hand and one of the mock-up that are seats, or that the
+    mechanism ignores: they are no contact.
     """
 
     is_turn: bool
@@ -38,6 +39,7 @@ class Freedom:
     lower: float
     upper: float
     hand: Floats
+    seats: frozenset[tuple[int, int]] = frozenset()
 
 
 class JointGuide(Guide):

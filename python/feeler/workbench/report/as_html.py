@@ -271,8 +271,11 @@ class _Page:
             good = sum(row.is_good is True for row in report.questions)
             tiles.append(("questions", f"{good:,} of {len(report.questions):,}", "questions answered yes", ""))
         if report.steps:
-            way = sum(row.length for row in report.steps if not row.joint)
-            tiles.append(("steps", plural(len(report.steps), "work step"), f"{length(way)} of ways", ""))
+            free = [row.length for row in report.steps if not row.joint]
+            joints = len(report.steps) - len(free)
+            kinds = [f"{length(sum(free))} of ways"] if free else []
+            kinds += [plural(joints, "move") + " of joints"] if joints else []
+            tiles.append(("steps", plural(len(report.steps), "work step"), ", ".join(kinds), ""))
         if report.maintenance is not None:
             maintained = report.maintenance.rows
             out = sum(row.state == "out" for row in maintained)

@@ -1,8 +1,9 @@
 """The joints of a session: moves them as far as contact lets them, and finds their ranges in the background.
 
-The range of a joint, cast exactly from where it stands, decides where it stops. It does not depend on where in the
-range the joint is, so that a slider asks for it once. Live moves are shown to the pages and change nothing; the command
-`joint_move` puts the joint there.
+The range of a joint, cast exactly from where it stands, decides where it stops. From elsewhere in the range its ends
+differ by rounding: a slider asks for it once, and what is near an end is cast from where the joint stands, so that a
+record gives the same bits again. Live moves are shown to the pages and change nothing; the command `joint_move` puts
+the joint there.
 """
 
 from __future__ import annotations
@@ -23,7 +24,6 @@ from feeler.errors import FeelerError, WorkbenchError
 from feeler.mechanism.answers import MechanismContact, Range
 from feeler.mechanism.gaps import clearance_of
 from feeler.mechanism.positions import Positions
-from feeler.mechanism.ranging import range_of
 from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench.document import motion
@@ -54,6 +54,7 @@ from feeler.workbench.engine.mechanism import (
     state_of,
 )
 from feeler.workbench.session.jobs import Job, JobCancelledError, Jobs
+from feeler.workbench.session.joint_free import SLACK, Went, is_inside, range_from, went
 
 LIVE = "joints"
 """The type of the message that shows a position."""
@@ -65,21 +66,22 @@ KNOWN_SHARE = 0.2
 """Of the work: from there on it is known how far a number moves."""
 ERROR_M, MOST_BOXES = 2e-4, 4000
 """Of the curve of gaps: to which its bounds agree, and the most boxes that are tried."""
-_SLACK = 1e-9
-_ROUND = 2.0**-31  # radians, metres
 _DIP_M = 1e-7  # gaps that differ by less are the same
 _SAME = 1e-6  # numbers that followed a loop differ by less
 
 
 @dataclass(frozen=True)
 class Reached:
-    """A position, and what stopped it there. values, poses: all numbers, and those of the links."""
+    """A position, and what stopped the joint there. values, poses: all numbers, and those of the links."""
 
     values: Mapping[str, float]
     poses: tuple[Row, ...]
-    value: float
-    is_stopped: bool
-    met: JointMet | None
+    went: Went
+
+    @property
+    def met(self) -> JointMet | None:
+        """What it meets there."""
+        return None if self.went.met is None else _met(self.went.met)
 
 
 Revised = Callable[[tuple[JointRange, ...]], tuple[JointRange, ...]]
@@ -92,7 +94,7 @@ class Joints:
         """revise: changes the ranges of the document. show: sends a message that only counts until the next."""
         self._revise, self._show = revise, show
         self._lock = threading.RLock()
-        self._ranges: dict[str, tuple[str, Range]] = {}
+        self._ranges: dict[str, tuple[str, Mapping[str, float], Range]] = {}
         self._hands: Hands | None = None
         self._live: Standings | None = None
         self._jobs: Jobs | None = None
@@ -149,17 +151,21 @@ class Joints:
             try:
                 positions = self._standings().asked(document)
                 positions.check_name(name)
-                found = self._range(positions, document, name)
-                at = min(max(value, found.lower), found.upper)
                 others = given_values(positions, state.values, name)
-                position = {**state.values, **positions.position({**others, name: at}, _start(positions, state))}
+                known = self._ranges.get(name)
+                if (
+                    known is not None
+                    and known[0] == range_key(document, name)
+                    and is_inside(positions, known[2], state.values.get(name, 0.0), value)
+                ):
+                    at = Went(value)
+                else:
+                    at = went(positions, name, others, self._range(positions, document, name), value)
+                position = {**state.values, **positions.position({**others, name: at.value}, _start(positions, state))}
                 poses = self._whole(state).links.poses(position)
             except FeelerError as error:
                 raise _told(error) from None
-        # A slider that ends at the contact is not moved beyond it.
-        met = found.below if value <= found.lower + _SLACK else found.above if value >= found.upper - _SLACK else None
-        rows = tuple(motion.row(poses[link]) for link in range(len(state.links)))
-        return Reached(position, rows, at, at != value or met is not None, None if met is None else _met(met))
+        return Reached(position, tuple(motion.row(poses[link]) for link in range(len(state.links))), at)
 
     def to(self, document: Document, name: str, value: float | None) -> JointPlace:
         """As `reached`, shown to all pages until the next change; None: they show where the joints stand."""
@@ -167,15 +173,16 @@ class Joints:
             state = _state(document)
             self._show({"type": LIVE, "poses": None, "values": dict(state.values)})
             place = state.values.get(name, 0.0)
-            return {"name": name, "value": place, "is_stopped": False, "met": None, "values": dict(state.values)}
+            return {"name": name, "value": place, "stop": None, "met": None, "why": "", "values": dict(state.values)}
         found = self.reached(document, name, value)
         self._show({"type": LIVE, "poses": [list(row) for row in found.poses], "values": dict(found.values)})
-        met = found.met
+        met, at = found.met, found.went
         return {
             "name": name,
-            "value": found.value,
-            "is_stopped": found.is_stopped,
+            "value": at.value,
+            "stop": "contact" if met is not None else "limit" if at.is_limit else "end" if at.why else None,
             "met": None if met is None else {"part": met.part, "other": met.other, "point": met.point},
+            "why": at.why,
             "values": dict(found.values),
         }
 
@@ -257,19 +264,10 @@ class Joints:
                 raise _told(error) from None
         return tuple(found)
 
-    def range_of(self, document: Document, name: str) -> tuple[float, float]:
-        """The free range of a number. Raises `WorkbenchError`."""
-        with self._lock:
-            try:
-                found = self._range(self._standings().asked(document), document, name)
-            except FeelerError as error:
-                raise _told(error) from None
-        return found.lower, found.upper
-
     def known(self, known: Known, given: Arguments, document: Document, guide: Guide | None) -> Known:
         """What a command needs of joints. guide: of the hand."""
         if given.command == "mechanism_open":
-            made = self.opened(given.text("text", MOST_TEXT), given.text("name"))
+            made = self.opened(given.text("text", MOST_TEXT, may_be_empty=True), given.text("name"))
             return replace(known, mechanism=made, joints=(made.values, tuple(link.pose for link in made.links)))
         if given.command == "joint_move":
             found = self.reached(document, given.text("name"), given.number("value"))
@@ -305,6 +303,9 @@ class Joints:
         frame = poses[above]
         part = next(part for part in state.with_number(number) if part in document.gripped)
         own = next(link for link in state.links if part in link.parts)
+        pairs = {(seat.part, seat.other) for seat in found.seats} | positions.bodies.skipped
+        held = self._held_numbers(document)
+        seats = {(held[a], b) for pair in pairs for a, b in (pair, pair[::-1]) if a in held and b not in held}
         return Freedom(
             number.kind == "turn",
             frame[:3, :3] @ np.array(number.axis),
@@ -314,7 +315,16 @@ class Joints:
             found.lower,
             found.upper,
             motion.matrix(own.pose) @ inverse(motion.matrix(document.gripped[part])),
+            frozenset(seats),
         )
+
+    def _held_numbers(self, document: Document) -> dict[int, int]:
+        """The gripped parts, with the number of each in what is in the hand."""
+        assert self._hands is not None, "a mock-up is open"
+        tool = self._hands.held(document)
+        assert tool is not None, "the hand holds parts"
+        first = tool.part_count - len(document.gripped)
+        return {part: first + number for number, part in enumerate(document.gripped)}
 
     # ---- ranges ----
 
@@ -422,7 +432,7 @@ class Joints:
             raise WorkbenchError("its parts are out", "mechanism", "put one back")
         found = _asked(positions, state, name)
         with self._lock:
-            self._ranges[name] = (key, found)
+            self._ranges[name] = (key, state.values, found)
         return JointRange(
             name,
             key,
@@ -469,13 +479,12 @@ class Joints:
         self._revise(revised)
 
     def _range(self, positions: Heard, document: Document, name: str) -> Range:
+        """The range of a number from where a document has it, and of that alone."""
         state, key = _state(document), range_key(document, name)
         kept = self._ranges.get(name)
-        value = state.values.get(name, 0.0)
-        if kept is None or kept[0] != key or not kept[1].lower - _SLACK <= value <= kept[1].upper + _SLACK:
-            kept = (key, _asked(positions, state, name))
-            self._ranges[name] = kept
-        return kept[1]
+        if kept is None or kept[0] != key or kept[1] != state.values:
+            kept = self._ranges[name] = (key, state.values, _asked(positions, state, name))
+        return kept[2]
 
     def _standings(self) -> Standings:
         if self._live is None:
@@ -515,16 +524,9 @@ def narrow_span(curve: motion.Floats, is_below: bool, is_above: bool) -> tuple[f
 
 
 def _asked(positions: Positions, state: MechanismState, name: str) -> Range:
-    """The range of a number from where it stands. Ends at contact are rounded inwards: from another place in the range
-    they come out the same, to the last digit, as a record has them."""
+    """The range of a number from where it stands."""
     start = state.values.get(name, 0.0)
-    found = range_of(positions, name, {**given_values(positions, state.values, name), name: start})
-    lower, upper = found.lower, found.upper
-    if found.below is not None:
-        lower = min(math.ceil(lower / _ROUND) * _ROUND, max(lower, start))
-    if found.above is not None:
-        upper = max(math.floor(upper / _ROUND) * _ROUND, min(upper, start))
-    return replace(found, lower=lower, upper=upper)
+    return range_from(positions, name, {**given_values(positions, state.values), name: start})
 
 
 def _start(positions: Positions, state: MechanismState) -> dict[str, float] | None:
@@ -535,7 +537,7 @@ def _start(positions: Positions, state: MechanismState) -> dict[str, float] | No
 
 
 def _is_inside(known: JointRange, value: float) -> bool:
-    return known.state != "done" or known.lower - _SLACK <= value <= known.upper + _SLACK
+    return known.state != "done" or known.lower - SLACK <= value <= known.upper + SLACK
 
 
 def _met(found: MechanismContact) -> JointMet:

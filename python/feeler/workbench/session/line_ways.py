@@ -17,7 +17,6 @@ import numpy as np
 
 from feeler._core import GuardedMove, Impact
 from feeler.errors import FeelerError, WorkbenchError
-from feeler.mechanism.ranging import range_of
 from feeler.mockup import Tool
 from feeler.poses import between, inverse
 from feeler.progress import Progress
@@ -34,6 +33,7 @@ from feeler.workbench.engine.hand import Hands
 from feeler.workbench.engine.mechanism import Standings, given_values
 from feeler.workbench.engine.world import World
 from feeler.workbench.session.answering import Answered, gaps_along, nearest, part_of, shown, triple
+from feeler.workbench.session.joint_free import range_from, went
 
 TOLERANCE_M, OFF_M = 2.5e-7, 5e-7
 """As of the engine: a way that the hand has gone is not refused because it rests at contact."""
@@ -169,21 +169,21 @@ def _joint_checked(document: Document, way: LineWay, hands: Hands, progress: Pro
         )
         positions = standings.asked(then)
         others = given_values(positions, step.start, step.name)
-        found = range_of(positions, step.name, {**others, step.name: step.begin})
+        found = range_from(positions, step.name, {**others, step.name: step.begin})
+        got = went(positions, step.name, others, found, step.end)
     except WorkbenchError:
         raise
     except FeelerError as error:
         raise WorkbenchError(str(error), "cards", "see docs/mechanisms.md") from None
     facts = _facts(way, way.poses, [])
     kept = _way_of(way, facts)
-    reached = min(max(step.end, found.lower), found.upper)
+    reached, met = got.value, got.met
     begin, end = figure(step.kind, step.begin, document.unit), figure(step.kind, step.end, document.unit)
     if abs(reached - step.end) <= _SAME_VALUE:
         return Answered(f"{step.name} moves freely from {begin} to {end}.", True, (kept,), (facts,))
-    met = found.above if step.end > step.begin else found.below
     sentence = f"{step.name} stops at {figure(step.kind, reached, document.unit)} on its way from {begin} to {end}"
     if met is None:
-        return Answered(f"{sentence}: its limit.", False, (kept,), (facts,))
+        return Answered(f"{sentence}: {got.why or 'its limit'}.", False, (kept,), (facts,))
     name = way.mockup.part_names[met.other].rpartition("/")[2]
     share = (reached - step.begin) / (step.end - step.begin)
     facts["hit"] = {"share": share, "part": met.other, "point": met.point}

@@ -34,7 +34,7 @@ from feeler.workbench.document.document import UNITS, Document, Loading, Project
 from feeler.workbench.document.findings import doubt_of, findings_of, read_findings, saved
 from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
-from feeler.workbench.document.joint_commands import JOINTS
+from feeler.workbench.document.joint_commands import JOINTS, is_at_start
 from feeler.workbench.document.known import Known
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest, Turning
@@ -43,6 +43,7 @@ from feeler.workbench.engine.engine import Bump, Engine, Ticked
 from feeler.workbench.engine.geometry import Geometry, scene_bounds
 from feeler.workbench.engine.guide import Guide
 from feeler.workbench.engine.hand import Hands, held_key
+from feeler.workbench.engine.joint_hand import Freedom
 from feeler.workbench.engine.snapshot import Snapshot
 from feeler.workbench.engine.world import World
 from feeler.workbench.session.answering import Answered, kept_answer
@@ -395,7 +396,7 @@ class Session:
             after = tasks_again(after, lambda: self._known(self._opened()))
             self._show(after, name)
             if after.guiding is not before.guiding:
-                self._guide(after)
+                self.engine.set_guide(self._guide_of(after))
             if after.cards is not before.cards:
                 self._cards.follow(before, after, self._opened())
             if after.held_version != before.held_version:
@@ -554,7 +555,8 @@ class Session:
             self._engine_follows(before, after)
         # The parts are put down at the end of a replay: one step with it, unless something else was done meanwhile.
         is_end = name == "release" and before.replaying is not None and self._history.last == "sequence_replay"
-        if command is None or not (command.is_of_cards or is_end):
+        is_start = name == "mechanism_open" and is_at_start(Arguments(name, args, COMMANDS[name].arguments))
+        if command is None or not (command.is_of_cards or is_end or is_start):
             self._history.changed(before, step)
         return after
 
@@ -611,17 +613,19 @@ class Session:
     def _engine_to(self, document: Document) -> None:
         hands = self._opened()
         tool = hands.held(document)
-        self.engine.set(
-            hands.world(document),
-            tool,
-            motion.matrix(document.pose),
-            mode=document.mode,
-            places=self._packed().places,
-            held_places=hands.geometry(document.held_version).places if tool is not None else None,
-            is_carrying=bool(document.gripped),
-            trip=document.trip,
-        )
-        self._guide(document)
+        guide = self._guide_of(document)
+        with self.engine.paused():  # no round without the guide
+            self.engine.set(
+                hands.world(document),
+                tool,
+                motion.matrix(document.pose),
+                mode=document.mode,
+                places=self._packed().places,
+                held_places=hands.geometry(document.held_version).places if tool is not None else None,
+                is_carrying=bool(document.gripped),
+                trip=document.trip,
+            )
+            self.engine.set_guide(guide)
 
     def _with_ways(self, args: Any, before: Document, after: Document) -> Any:
         """The arguments of `way_take` with the ways that were taken, so that a record repeats them without the card."""
@@ -673,12 +677,11 @@ class Session:
         with contextlib.suppress(WorkbenchError):  # they have already been put down
             self.command("release", {}, None)
 
-    def _guide(self, document: Document) -> None:
+    def _guide_of(self, document: Document) -> list[Floats] | Freedom | None:
         way = document.guiding
         if document.on_joint is not None:
-            self.engine.set_guide(self.joints.freedom(document))
-            return
-        self.engine.set_guide(None if way is None else [motion.matrix(pose) for pose in way.way])
+            return self.joints.freedom(document)
+        return None if way is None else [motion.matrix(pose) for pose in way.way]
 
     def _guided(self, guide: Guide | None) -> None:
         """The hand came to the end of its guide; None: it is gone."""
