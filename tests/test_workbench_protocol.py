@@ -132,7 +132,7 @@ DOCUMENT: protocol.DocumentFields = {
                 "title": "Can pump come out?",
             },
             **{"setting": "as loaded", "state": "running", "share": 0.5, "stage": "tree 3", "sentence": ""},
-            **{"is_good": None, "is_stale": False, "line": None, "is_earlier": False},
+            **{"is_good": None, "is_stale": False, "line": None, "is_earlier": False, "clearances": [0.001, None]},
             "edits": {"off": ["lid"], "times": [("bolt", 9.5)], "before": [("a", "b")], "table": "0a", "catalogue": ""},
         }
     ],

@@ -1,6 +1,5 @@
 // Opening another mock-up: files of the user's machine, which the page sends to the server, or a sample.
 
-import type { ReadonlySignal } from "@preact/signals";
 import type { Opens } from "../link/openings";
 import type { Document, Unit } from "../link/protocol";
 import { chooseSeveral } from "./choosing";
@@ -107,9 +106,15 @@ export async function openFiles(wb: Workbench, files: readonly File[], unit: str
   }
 }
 
+/** A value that changes: what `isOpened` needs of a signal. */
+interface Watched<T> {
+  peek(): T;
+  subscribe(told: (now: T) => void): () => void;
+}
+
 /** Ends once a mock-up was loaded: whether it is the one of these files. What fails leaves the present one, and is told. */
 export function isOpened(
-  document: Pick<ReadonlySignal<Document | null>, "peek" | "subscribe">,
+  document: Watched<Document | null>,
   files: readonly Pick<File, "name">[],
   signal: AbortSignal,
 ): Promise<boolean> {
