@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -471,6 +472,43 @@ def test_a_removal_is_of_the_revision_that_it_was_made_in(tmp_path: Path) -> Non
     (step,) = report_of(of_document(session.current, stand(), {}), WHEN).steps
     assert "earlier revision" in step.stale
     session.close()
+
+
+@pytest.mark.parametrize("height", [0.25, 1.0])
+def test_a_removal_that_was_checked_again_is_up_to_date(tmp_path: Path, height: float) -> None:
+    path, now = tmp_path / "a.feelproj", revision(p1=("move", 0.0625))
+    session = opened(path)
+    way = {"parts": [PEG], "poses": [AT_HOME, at(0, 0, height).ravel().tolist()], "clearance": None}
+    session.command("way_take", {"ways": [way]})
+    (line,) = session.current.sequence
+    saved(session)
+    session.close()
+    session = opened(path, now)
+    assert session.current.sequence[0].stale
+    session.command("sequence_rename", {"id": line.id, "name": "out"})
+    check(session, line.id)
+    assert session.current.cards[0].is_good is (height == 0.25), "a way that does not hold was checked as well"
+    session.command("undo", {})
+    (line,) = session.current.sequence
+    assert (line.name, dict(line.stale)) == ("peg", {}), "undo does not take the check back"
+    saved(session)
+    session.close()
+    book = open_or_make(path, read_only=True)
+    (step,) = report_of(of_book(book, now), WHEN).steps
+    book.close()
+    assert step.checked and not step.stale
+    session = opened(path, stand())
+    assert {part: each.change for part, each in session.current.sequence[0].stale.items()} == {LEFT: "moved"}
+    session.close()
+
+
+def check(session: Session, line: int) -> None:
+    """Checks the way of a line, to the end."""
+    session.command("way_check", {"id": line})
+    end = time.monotonic() + 120.0
+    while session.current.cards[0].state != "done":
+        assert time.monotonic() < end
+        time.sleep(0.005)
 
 
 def test_a_check_of_the_command_line_is_of_the_mock_up_that_it_saw(tmp_path: Path) -> None:
