@@ -502,6 +502,53 @@ def test_a_removal_that_was_checked_again_is_up_to_date(tmp_path: Path, height: 
     session.close()
 
 
+def test_a_part_that_is_back_as_it_was_is_new_only_to_results_that_did_not_know_it(tmp_path: Path) -> None:
+    path, raised = tmp_path / "a.feelproj", revision(p1=("move", 0.0625))
+    lifted = {"poses": [AT_HOME, at(0, 0, 0.25).ravel().tolist()], "clearance": None}
+    session = opened(path)
+    session.command("requirement_add", {"name": "posts", "a": "stand/posts/*", "b": PATHS[PLATE], "gap": 0.0})
+    session.command("way_take", {"ways": [{"parts": [PEG], **lifted}]})
+    take(session, "verify")
+    take(session, "clash")
+    saved(session)
+    session.close()
+
+    def of(now: feeler.Mockup) -> list[dict[int, str]]:
+        """How parts differ of each removal, and of requirements and findings."""
+        session = opened(path, now)
+        lines = [{part: each.change for part, each in line.stale.items()} for line in session.current.sequence]
+        found = [*lines, *marks(session)]
+        saved(session)
+        session.close()
+        return found
+
+    for gone in ([PLATE, RIGHT, PEG, SHEET], [RIGHT, PEG, PLATE, SHEET]):  # a post is gone, and stays so
+        assert of(chosen(gone)) == [{}] * 3
+    book = open_or_make(path, read_only=True)
+    report = report_of(of_book(book, stand()), WHEN)
+    book.close()
+    assert not any(row.stale for row in (*report.steps, *report.requirements, *report.findings))
+    assert of(stand()) == [{}] * 3, "it is back"
+    # Gone as it was, and back at another place, or after it had been changed.
+    assert of(chosen([PLATE, RIGHT, PEG, SHEET])) == [{}] * 3
+    assert of(raised) == [{LEFT: "changed"}] * 3
+    assert of(chosen([PLATE, RIGHT, PEG, SHEET])) == [{}] * 3
+    assert of(raised) == [{LEFT: "changed"}] * 3
+    assert of(chosen([PLATE, RIGHT, PEG, SHEET])) == [{}] * 3
+    assert of(stand()) == [{}] * 3, "what the results knew"
+
+    session = opened(path, chosen([PLATE, RIGHT, PEG, SHEET]))
+    peg = 2
+    session.command("way_take", {"ways": [{"parts": [1], **lifted}]})
+    check(session, session.current.sequence[0].id)
+    assert session.current.sequence[0].parts == (peg,)
+    take(session, "verify")
+    take(session, "clash")
+    saved(session)
+    session.close()
+    assert of(stand()) == [{LEFT: "new"}] * 4, "made or checked without it"
+
+
 def check(session: Session, line: int) -> None:
     """Checks the way of a line, to the end."""
     session.command("way_check", {"id": line})
