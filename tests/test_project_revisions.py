@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -471,6 +472,90 @@ def test_a_removal_is_of_the_revision_that_it_was_made_in(tmp_path: Path) -> Non
     (step,) = report_of(of_document(session.current, stand(), {}), WHEN).steps
     assert "earlier revision" in step.stale
     session.close()
+
+
+@pytest.mark.parametrize("height", [0.25, 1.0])
+def test_a_removal_that_was_checked_again_is_up_to_date(tmp_path: Path, height: float) -> None:
+    path, now = tmp_path / "a.feelproj", revision(p1=("move", 0.0625))
+    session = opened(path)
+    way = {"parts": [PEG], "poses": [AT_HOME, at(0, 0, height).ravel().tolist()], "clearance": None}
+    session.command("way_take", {"ways": [way]})
+    (line,) = session.current.sequence
+    saved(session)
+    session.close()
+    session = opened(path, now)
+    assert session.current.sequence[0].stale
+    session.command("sequence_rename", {"id": line.id, "name": "out"})
+    check(session, line.id)
+    assert session.current.cards[0].is_good is (height == 0.25), "a way that does not hold was checked as well"
+    session.command("undo", {})
+    (line,) = session.current.sequence
+    assert (line.name, dict(line.stale)) == ("peg", {}), "undo does not take the check back"
+    saved(session)
+    session.close()
+    book = open_or_make(path, read_only=True)
+    (step,) = report_of(of_book(book, now), WHEN).steps
+    book.close()
+    assert step.checked and not step.stale
+    session = opened(path, stand())
+    assert {part: each.change for part, each in session.current.sequence[0].stale.items()} == {LEFT: "moved"}
+    session.close()
+
+
+def test_a_part_that_is_back_as_it_was_is_new_only_to_results_that_did_not_know_it(tmp_path: Path) -> None:
+    path, raised = tmp_path / "a.feelproj", revision(p1=("move", 0.0625))
+    lifted = {"poses": [AT_HOME, at(0, 0, 0.25).ravel().tolist()], "clearance": None}
+    session = opened(path)
+    session.command("requirement_add", {"name": "posts", "a": "stand/posts/*", "b": PATHS[PLATE], "gap": 0.0})
+    session.command("way_take", {"ways": [{"parts": [PEG], **lifted}]})
+    take(session, "verify")
+    take(session, "clash")
+    saved(session)
+    session.close()
+
+    def of(now: feeler.Mockup) -> list[dict[int, str]]:
+        """How parts differ of each removal, and of requirements and findings."""
+        session = opened(path, now)
+        lines = [{part: each.change for part, each in line.stale.items()} for line in session.current.sequence]
+        found = [*lines, *marks(session)]
+        saved(session)
+        session.close()
+        return found
+
+    for gone in ([PLATE, RIGHT, PEG, SHEET], [RIGHT, PEG, PLATE, SHEET]):  # a post is gone, and stays so
+        assert of(chosen(gone)) == [{}] * 3
+    book = open_or_make(path, read_only=True)
+    report = report_of(of_book(book, stand()), WHEN)
+    book.close()
+    assert not any(row.stale for row in (*report.steps, *report.requirements, *report.findings))
+    assert of(stand()) == [{}] * 3, "it is back"
+    # Gone as it was, and back at another place, or after it had been changed.
+    assert of(chosen([PLATE, RIGHT, PEG, SHEET])) == [{}] * 3
+    assert of(raised) == [{LEFT: "changed"}] * 3
+    assert of(chosen([PLATE, RIGHT, PEG, SHEET])) == [{}] * 3
+    assert of(raised) == [{LEFT: "changed"}] * 3
+    assert of(chosen([PLATE, RIGHT, PEG, SHEET])) == [{}] * 3
+    assert of(stand()) == [{}] * 3, "what the results knew"
+
+    session = opened(path, chosen([PLATE, RIGHT, PEG, SHEET]))
+    peg = 2
+    session.command("way_take", {"ways": [{"parts": [1], **lifted}]})
+    check(session, session.current.sequence[0].id)
+    assert session.current.sequence[0].parts == (peg,)
+    take(session, "verify")
+    take(session, "clash")
+    saved(session)
+    session.close()
+    assert of(stand()) == [{LEFT: "new"}] * 4, "made or checked without it"
+
+
+def check(session: Session, line: int) -> None:
+    """Checks the way of a line, to the end."""
+    session.command("way_check", {"id": line})
+    end = time.monotonic() + 120.0
+    while session.current.cards[0].state != "done":
+        assert time.monotonic() < end
+        time.sleep(0.005)
 
 
 def test_a_check_of_the_command_line_is_of_the_mock_up_that_it_saw(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ import { Store } from "../src/model/store";
 import { OTHERS } from "../src/scene/parts";
 import { PartState, type Stage } from "../src/scene/stage";
 import { initials } from "../src/ui/words";
+import { contrast } from "./contrast";
 
 const CAMERA: Camera = { position: [1, 0, 0], target: [0, 0, 0], up: [0, 0, 1], fov_rad: 0.8 };
 
@@ -91,17 +92,6 @@ test("others are marked where they point, and the tool by the name of who moves 
   assert.deepEqual([mark?.at, mark?.colour, mark?.isTool, more.length], [[1, 2, 3], PERSON_COLOURS[1], false, 0]);
   assert.ok(mark?.name.startsWith("\u2068"), "a name of another direction turns nothing else");
 });
-
-/** The contrast of two colours by WCAG. */
-function contrast(one: number, other: number): number {
-  const light = (colour: number): number =>
-    [16, 8, 0]
-      .map((shift) => ((colour >> shift) & 255) / 255)
-      .map((c) => (c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
-      .reduce((sum, c, k) => sum + c * ([0.2126, 0.7152, 0.0722][k] ?? 0), 0);
-  const [a, b] = [light(one), light(other)].sort((x, y) => y - x) as [number, number];
-  return (a + 0.05) / (b + 0.05);
-}
 
 test("white letters on a person's colour are read, and the colour is seen on the panels of both themes", () => {
   const style = readFileSync(new URL("../../viewer/src/ui/styles/people.css", import.meta.url), "utf8");

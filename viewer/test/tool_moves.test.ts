@@ -1,5 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { beginTyping, chooseAxis, confirmTyping, typeFigure } from "../src/actions/typed-move";
+import { Workbench } from "../src/actions/workbench";
 import { type Drag, dragged, dragOf } from "../src/input/drag";
 import { hitGizmo, layGizmo } from "../src/input/gizmo";
 import {
@@ -9,13 +11,26 @@ import {
   IDENTITY,
   isSamePose,
   multiply,
+  type Pose,
   position,
   rotation,
   translation,
 } from "../src/math/matrix";
 import type { Point, Vec3 } from "../src/math/vectors";
-import { directionOf, isFigureKey, poseOfTyped, startTyped, withAxis, withKey } from "../src/model/typed-move";
+import type { Hand } from "../src/model/hand";
+import { Store } from "../src/model/store";
+import {
+  directionOf,
+  isFigureKey,
+  poseOfTyped,
+  startTyped,
+  withAxis,
+  withKey,
+  wrongFigure,
+} from "../src/model/typed-move";
 import { CameraRig } from "../src/scene/camera";
+import type { Stage } from "../src/scene/stage";
+import { poseHint } from "../src/ui/typing-hint";
 
 /** Looks along +y at the origin from 2 m away, z up, 800 x 600 pixels. */
 function camera(): CameraRig {
@@ -112,6 +127,52 @@ test("the same axis again is that of the other frame", () => {
 test("a typed turn is about the axis through the centre, in degrees", () => {
   const typed = { ...withAxis(startTyped("turn", translation([1, 0, 0]), [0, 0, 0], "world"), 2), text: "90" };
   near(position(poseOfTyped(typed, "mm", { right: [1, 0, 0], towards: [0, 0, 1] }) ?? []), [0, 1, 0]);
+});
+
+test("no sign of a typed figure is lost: it is read as in a field, or refused", () => {
+  const view = { right: [1, 0, 0] as Vec3, towards: [0, -1, 0] as Vec3 };
+  const typed = (text: string, kind: "move" | "turn" = "move") => {
+    let move = withAxis(startTyped(kind, [...IDENTITY], [0, 0, 0], "world"), 1);
+    for (const key of text) if (isFigureKey(move, key)) move = withKey(move, key);
+    assert.equal(move.text, text);
+    return move;
+  };
+  for (const [text, mm] of Object.entries({ "1 1/2": 1.5, "1e-1": 0.1, "3/8in": 9.525, "2 MM": 2, '1"': 25.4 })) {
+    near(position(poseOfTyped(typed(text), "mm", view) ?? []), [0, mm / 1000, 0]);
+    assert.equal(wrongFigure(typed(text), "mm"), "");
+  }
+  for (const text of ["2*3", "*3", "1.5.2", "1/0", "1 1", "5k", "-", "1e", "½"]) {
+    assert.equal(poseOfTyped(typed(text), "mm", view), null, text);
+    assert.equal(wrongFigure(typed(text), "mm"), `${text} is no length`);
+  }
+  assert.equal(wrongFigure(typed("90 rad", "turn"), "mm"), "");
+  assert.equal(wrongFigure(typed("90 mm", "turn"), "mm"), "90 mm is no angle");
+});
+
+test("a text that is no figure moves nothing, and Enter says so", () => {
+  const store = new Store();
+  const start = [...IDENTITY] as Pose;
+  const done: unknown[] = [];
+  const hand = {
+    ...{ pose: start, center: [0, 0, 0], isLocked: false },
+    move: (pose: Pose) => done.push(pose[7]),
+    put: () => done.push("put"),
+  } as unknown as Hand;
+  const stage = { camera: { right: [1, 0, 0], forward: [0, 1, 0] } } as unknown as Stage;
+  const wb = new Workbench({
+    ...{ store, stage, hand, link: null, redraw() {} },
+    fetchFile: () => Promise.reject(new Error()),
+  });
+  beginTyping(wb, "move");
+  chooseAxis(wb, 1);
+  for (const key of "2*") assert.ok(typeFigure(wb, key));
+  assert.deepEqual(done, [0, 0.002, 0]);
+  confirmTyping(wb);
+  assert.deepEqual([done.length, store.spoken.value, store.typed.value?.text], [3, "2* is no length", "2*"]);
+  assert.equal(poseHint(store), "Move along Y (world): 2* is no length · Enter, Esc");
+  typeFigure(wb, "Backspace");
+  confirmTyping(wb);
+  assert.deepEqual([done.slice(3), store.typed.value], [[0.002, "put"], null]);
 });
 
 test("letters of a unit count as figures only behind a digit", () => {

@@ -42,10 +42,33 @@ test("what is typed is read in the unit chosen, or in the one typed", () => {
   near(parseLength(".5cm", "m"), 0.005);
   near(parseLength("+7 MM", "in"), 0.007);
   near(parseLength("4um", "mm"), 4e-6);
+  near(parseLength("1 1/2", "mm"), 0.0015);
+  near(parseLength("-1 3/8in", "mm"), -0.034925);
+  near(parseLength("1e-1", "mm"), 1e-4);
+  near(parseLength("2,5E+1 mm", "in"), 0.025);
 });
 
 test("what cannot be read is null, not a wrong length", () => {
-  for (const text of ["", "-", "mm", "1.2.3", "1 ft", "1/0", "1e3", "0x10", "NaN", "5 deg", "1 2"]) {
+  for (const text of [
+    "",
+    "-",
+    "mm",
+    "1.2.3",
+    "1 ft",
+    "1/0",
+    "1 1/0",
+    "1.5 1/2",
+    "1 2/3.5",
+    "1e",
+    "1e-",
+    "1e2/3",
+    "1e999",
+    "2*3",
+    "0x10",
+    "NaN",
+    "5 deg",
+    "1 2",
+  ]) {
     assert.equal(parseLength(text, "mm"), null, text);
   }
 });

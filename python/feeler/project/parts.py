@@ -12,6 +12,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -120,6 +121,11 @@ class Revision:
     row_of: tuple[int | None, ...]
     renamed: Mapping[str, str]
     differs: Mapping[int, tuple[Change, str]] = field(default_factory=dict)
+
+    @cached_property
+    def keys(self) -> frozenset[str]:
+        """Those of the parts of the mock-up."""
+        return frozenset(part.key for part in self.parts)
 
     @property
     def is_same(self) -> bool:

@@ -2,7 +2,15 @@
 
 import { scale, type Vec3 } from "../math/vectors";
 import type { Frame } from "../model/hand";
-import { isFigureKey, poseOfTyped, startTyped, type TypedMove, withAxis, withKey } from "../model/typed-move";
+import {
+  isFigureKey,
+  poseOfTyped,
+  startTyped,
+  type TypedMove,
+  withAxis,
+  withKey,
+  wrongFigure,
+} from "../model/typed-move";
 import type { Workbench } from "./workbench";
 
 /** Begins to move or turn the tool; the same key again begins anew from there. */
@@ -63,7 +71,7 @@ function apply(wb: Workbench, move: TypedMove): void {
   const view = { right: camera.right, towards: scale(camera.forward, -1) };
   const pose = poseOfTyped(move, wb.store.unit.peek(), view);
   if (pose) wb.hand.move(pose, "keys");
-  else if (!wb.hand.isLocked && move.text === "") wb.hand.move(move.start, "keys");
+  else if (!wb.hand.isLocked) wb.hand.move(move.start, "keys");
 }
 
 /** A step of the chosen size by an arrow key: in the view, or along the axis chosen. */
@@ -85,9 +93,15 @@ export function stepTyping(wb: Workbench, direction: Vec3): void {
   }
 }
 
-/** The tool stays where it came to. */
+/** The tool stays where it came to; a text that is no figure is refused, and stays to be mended. */
 export function confirmTyping(wb: Workbench): void {
-  if (!wb.store.typed.peek()) return;
+  const move = wb.store.typed.peek();
+  if (!move) return;
+  const wrong = wrongFigure(move, wb.store.unit.peek());
+  if (wrong) {
+    wb.say(wrong);
+    return;
+  }
   wb.store.typed.value = null;
   wb.hand.put();
 }

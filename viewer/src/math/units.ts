@@ -70,7 +70,8 @@ export const formatCount = (count: number): string =>
     .replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
 /**
- * A typed length as metres: a number, or a fraction such as `3/8`, and a unit; `unit` where none is typed.
+ * A typed length as metres: a number such as `1e-1`, or a fraction such as `3/8` or `1 3/8`, and a unit; `unit` where
+ * none is typed.
  *
  * A comma counts as the point. Null where it cannot be read.
  */
@@ -83,14 +84,21 @@ export function parseAngle(text: string): number | null {
   return parse(text, RADIANS, "deg");
 }
 
+const DECIMAL = String.raw`\d+(?:[.,]\d*)?|[.,]\d+`;
+const FIGURE = new RegExp(
+  String.raw`^\s*(?<sign>[+-]?)\s*(?:(?:(?<whole>\d+)\s+)?(?<over>\d+)\s*/\s*(?<under>\d+)|(?<a>${DECIMAL})` +
+    String.raw`(?:\s*/\s*(?<b>${DECIMAL})|e(?<power>[+-]?\d+))?)\s*(?<name>[a-zµ°"]*)\s*$`,
+  "i",
+);
+
 function parse(text: string, units: Readonly<Record<string, number>>, otherwise: string): number | null {
-  const match = /^\s*([+-]?)\s*(\d+(?:[.,]\d*)?|[.,]\d+)(?:\s*\/\s*(\d+(?:[.,]\d*)?))?\s*([a-zµ°"]*)\s*$/i.exec(text);
-  if (!match) return null;
-  const [, sign, over, under, name] = match;
-  const factor = units[(name || otherwise).toLowerCase()];
-  const divisor = under ? Number(under.replace(",", ".")) : 1;
-  if (factor === undefined || divisor === 0) return null;
-  const value = (Number((over ?? "").replace(",", ".")) / divisor) * factor;
+  const found = FIGURE.exec(text)?.groups;
+  if (!found) return null;
+  const { sign, whole = "0", over, under, a = "", b = "1", power = "0", name } = found;
+  const number = (digits: string, ten = "0"): number => Number(`${digits.replace(",", ".")}e${ten}`);
+  const size = over ? number(whole) + number(over) / number(under ?? "") : number(a, power) / number(b);
+  const value = size * (units[(name || otherwise).toLowerCase()] ?? Number.NaN);
+  if (!Number.isFinite(value)) return null;
   return sign === "-" ? -value : value;
 }
 

@@ -29,17 +29,23 @@ export function withAxis(move: TypedMove, axis: 0 | 1 | 2): TypedMove {
   return { ...move, frame: move.frame === "world" ? "tool" : "world" };
 }
 
-/** Whether a key adds to the figure: digits and signs, and the letters of a unit once there is a digit. */
+/**
+ * Whether a key adds to the figure: every sign does, so that none is lost, and letters once there is something.
+ *
+ * X, Y and Z stay axes; G and R stay movements, but behind a digit they are of `deg` and `rad`.
+ */
 export function isFigureKey(move: TypedMove, key: string): boolean {
   if (key === "Backspace") return move.text !== "";
-  if (/^[0-9.,\-/]$/.test(key)) return true;
-  return /^[a-z]$/.test(key) && /\d/.test(move.text) && (move.kind === "move" ? "minc" : "degra").includes(key);
+  if ([...key].length !== 1 || /[xyz]/i.test(key)) return false;
+  if (/[gr]/i.test(key)) return move.kind === "turn" && /\d/.test(move.text);
+  return /[\p{L}\s]/u.test(key) ? move.text !== "" : true;
 }
 
 export function withKey(move: TypedMove, key: string): TypedMove {
   if (key === "Backspace") return { ...move, text: move.text.slice(0, -1) };
-  // A minus anywhere turns the sign round, as typists of figures expect.
-  if (key === "-") return { ...move, text: move.text.startsWith("-") ? move.text.slice(1) : `-${move.text}` };
+  // A minus anywhere turns the sign round, as typists of figures expect; behind the e of `1e-3` it is that of the power.
+  if (key === "-" && !/[\d.,]e$/i.test(move.text))
+    return { ...move, text: move.text.startsWith("-") ? move.text.slice(1) : `-${move.text}` };
   return { ...move, text: move.text + key };
 }
 
@@ -49,16 +55,25 @@ export function directionOf(move: TypedMove): Vec3 | null {
   return axisOf(move.frame === "tool" ? move.start : IDENTITY, move.axis);
 }
 
+/** The figure, metres or radians; null where it cannot be read. */
+const readFigure = ({ kind, text }: TypedMove, unit: Unit): number | null =>
+  kind === "move" ? parseLength(text, unit) : parseAngle(text);
+
+/** Why the text is no figure: "1.5.2 is no length"; empty if it is one, or there is none. */
+export function wrongFigure(move: TypedMove, unit: Unit): string {
+  if (move.text === "" || readFigure(move, unit) !== null) return "";
+  return `${move.text} is no ${move.kind === "move" ? "length" : "angle"}`;
+}
+
 /**
  * The pose that the figure means; null while it cannot be read.
  *
  * Without an axis a length goes to the right of the picture, and an angle turns about the view direction.
  */
 export function poseOfTyped(move: TypedMove, unit: Unit, view: { right: Vec3; towards: Vec3 }): Pose | null {
-  if (move.kind === "move") {
-    const by = parseLength(move.text, unit);
-    return by === null ? null : movedBy(move.start, scale(directionOf(move) ?? view.right, by));
-  }
-  const angle_rad = parseAngle(move.text);
-  return angle_rad === null ? null : turnedAbout(move.start, move.center, directionOf(move) ?? view.towards, angle_rad);
+  const by = readFigure(move, unit);
+  if (by === null) return null;
+  const direction = directionOf(move);
+  if (move.kind === "move") return movedBy(move.start, scale(direction ?? view.right, by));
+  return turnedAbout(move.start, move.center, direction ?? view.towards, by);
 }

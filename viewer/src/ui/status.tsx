@@ -25,6 +25,7 @@ export function StatusLine() {
   const wb = useWorkbench();
   const { store } = wb;
   const connection = store.connection.value;
+  const hint = poseHint(store);
   return (
     <footer class="status">
       <span class={`link-state ${store.is_ended.value ? "refused" : store.is_silent.value ? "lost" : connection}`}>
@@ -39,8 +40,8 @@ export function StatusLine() {
       )}
       <ProjectStatus />
       <ContactFacts />
-      <span class="status-path" title={wb.path(store.hover.value)}>
-        {store.hover.value >= 0 ? <Name text={wb.path(store.hover.value)} /> : poseHint(store)}
+      <span class="status-path" title={hint || wb.path(store.hover.value)}>
+        {hint || (store.hover.value >= 0 && <Name text={wb.path(store.hover.value)} />)}
       </span>
       {store.jobs.value.map((job) => (
         <span class="job" key={job.id}>

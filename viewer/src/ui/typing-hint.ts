@@ -1,7 +1,7 @@
 // The hint in the status line while the tool is moved by keys, and while nothing is under the pointer.
 
 import type { Store } from "../model/store";
-import type { TypedMove } from "../model/typed-move";
+import { type TypedMove, wrongFigure } from "../model/typed-move";
 
 const AXES = ["X", "Y", "Z"] as const;
 
@@ -13,10 +13,12 @@ export function typedText(store: Store): string {
   return `${move.kind === "move" ? "Move" : "Turn"} ${axis}${figureOf(store, move) || "…"}`;
 }
 
-/** The typed figure with its unit; empty before any. */
+/** The typed figure with its unit, or that it is none; empty before any. */
 function figureOf(store: Store, move: TypedMove): string {
   if (move.text === "") return "";
-  return /[a-z°"]/i.test(move.text) ? move.text : `${move.text} ${move.kind === "move" ? store.unit.peek() : "°"}`;
+  const wrong = wrongFigure(move, store.unit.peek());
+  if (wrong) return wrong;
+  return /[a-zµ°"]\s*$/i.test(move.text) ? move.text : `${move.text} ${move.kind === "move" ? store.unit.peek() : "°"}`;
 }
 
 /** "Move along X (world): 12.5 mm"; empty while nothing is under way. */

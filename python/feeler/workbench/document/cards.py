@@ -23,6 +23,7 @@ from feeler.workbench.document.answers import CardAnswer
 from feeler.workbench.document.arguments import Arguments, replaced, without
 from feeler.workbench.document.document import NO_EDIT, Card, Document, Removal, TaskEdits, line_world
 from feeler.workbench.document.known import Known, Way
+from feeler.workbench.document.line_facts import with_checked_lines
 from feeler.workbench.document.protocol import CardQuestion, GivenWay, Pose, Selection
 from feeler.workbench.document.values import is_sequence
 
@@ -368,6 +369,5 @@ def line_setting(at: int) -> str:
 
 def told(document: Document, number: int, **changes: Any) -> Document:
     """The document with changes of a card; unchanged if the card is gone."""
-    return replace(
-        document, cards=tuple(replace(card, **changes) if card.id == number else card for card in document.cards)
-    )
+    cards = tuple(replace(card, **changes) if card.id == number else card for card in document.cards)
+    return with_checked_lines(replace(document, cards=cards))

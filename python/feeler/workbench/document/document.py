@@ -156,6 +156,8 @@ class Since:
 
 UP_TO_DATE: Mapping[int, Since] = MappingProxyType({})
 """Of a result: no part of it differs. Parts are those of an earlier revision of the mock-up otherwise."""
+NONE_GONE: Mapping[str, str] = MappingProxyType({})
+"""Of a result: the contents of parts that are gone since, as it knows them, by their keys; pages do not see them."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +168,7 @@ class Removal:
     where they were gripped. starts: these places, for parts that were not at home. least_clearance: of the moved parts,
     on the way, to all parts without seats, metres; None if no part came within reach. touched: paths of the parts that
     they touched or that stopped them. out: those of its parts that it took out of the mock-up. joint: the move of a
-    joint that it is; None: parts were moved freely. stale: parts of any kind that differ since.
+    joint that it is; None: parts were moved freely. stale: parts of any kind that differ since; gone: as `NONE_GONE`.
     """
 
     id: int
@@ -180,6 +182,7 @@ class Removal:
     out: tuple[int, ...] = ()
     joint: JointStep | None = None
     stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
+    gone: Mapping[str, str] = field(default_factory=lambda: NONE_GONE)
 
     @cached_property
     def before(self) -> Mapping[int, Row]:
@@ -261,7 +264,7 @@ class Check:
     gripped: tuple[int, ...]
 
 
-_UNSEEN = ("table", "aside", "authors", "resolved")
+_UNSEEN = ("table", "aside", "authors", "resolved", "gone")
 
 
 @dataclass(frozen=True)
@@ -271,8 +274,8 @@ class Findings:
     table: the findings themselves. status, notes: by the finding's id, those that differ from the table's. authors: who
     set these, or an empty name; pages do not see them. own_groups: made by hand, and `members` the group of a finding
     by its id. check: None for findings of a file. aside: the marks of findings that an exclusion hides, for when it is
-    gone; pages do not see them. stale: parts that differ since, also those without findings. resolved: findings
-    of the check before that are gone, as JSON; pages do not see them.
+    gone; pages do not see them. stale: parts that differ since, also those without findings; gone: as `NONE_GONE`.
+    resolved: findings of the check before that are gone, as JSON; pages do not see them.
     """
 
     table: FindingTable
@@ -284,6 +287,7 @@ class Findings:
     check: Check | None = None
     aside: Mapping[str, Mark] = field(default_factory=lambda: MappingProxyType({}))
     stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
+    gone: Mapping[str, str] = field(default_factory=lambda: NONE_GONE)
     authors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     resolved: tuple[Mapping[str, Any], ...] = ()
 
@@ -309,7 +313,7 @@ class Verdict:
     """What a requirement was when it was checked last; lengths in metres. of: where parts lay, as in `Check`.
 
     status: "holds", "violated", or "unknown" with the reason in `trouble`. pairs: how many pairs of parts violate it;
-    the others are of the worst of them. stale: parts that it is about and that differ since.
+    the others are of the worst of them. stale: parts that it is about and that differ since; gone: as `NONE_GONE`.
     """
 
     status: str
@@ -323,6 +327,7 @@ class Verdict:
     out: tuple[int, ...] = ()
     gripped: tuple[int, ...] = ()
     stale: Mapping[int, Since] = field(default_factory=lambda: UP_TO_DATE)
+    gone: Mapping[str, str] = field(default_factory=lambda: NONE_GONE)
 
 
 @dataclass(frozen=True)
@@ -532,7 +537,8 @@ class Document:
 _KEPT_BACK = {"isolation", "next_card", "next_id", "task_edits", "trip"}
 _KEPT_BACK_OF = {
     Card: {"way", "world"},
-    Removal: {"out", "starts"},
+    Removal: {"out", "starts", "gone"},
+    Verdict: {"gone"},
     Measure: {"parts"},
     MechanismState: {"order", "text"},
     TaskTimes: {"toml"},

@@ -25,6 +25,7 @@ from feeler.errors import FeelerError, LoadError
 from feeler.parts import Parts
 from feeler.project.book import CHECK, PAIR, Book, dumps, pair_of, resolved_of, row_id
 from feeler.project.layout import TABLES
+from feeler.project.parts import PartContent
 from feeler.project.renaming import Names
 from feeler.project.store import Change, Row, drop, put
 from feeler.workbench.document import motion
@@ -44,6 +45,7 @@ from feeler.workbench.document.document import (
 )
 from feeler.workbench.document.finding_rules import renamed_rules
 from feeler.workbench.document.finding_table import FindingTable, table_of
+from feeler.workbench.document.gone import Left, gone_now, left_of, with_gone
 from feeler.workbench.document.set_aside import KINDS, Aside, Renumber, brought_back, kept_things, numbers, stale_now
 from feeler.workbench.document.values import is_number
 
@@ -193,7 +195,7 @@ def marks_that_differ(old: Findings, new: Findings) -> dict[str, dict[str, Any] 
 
 def _is_by_id(found: object, name: str) -> bool:
     kind = _hints(type(found))[name]
-    return get_origin(kind) is Mapping and get_args(kind)[0] is str
+    return get_origin(kind) is Mapping and get_args(kind)[0] is str and name != "gone"  # which is by the key of a part
 
 
 def encoded(value: Any) -> str:
@@ -237,12 +239,14 @@ def restored(
     renumber: Renumber | None = None,
     names: Names | None = None,
     keys: Sequence[str] = (),
+    known: Sequence[PartContent] = (),
 ) -> Kept:
     """The document of a project, on the fields of `base` that a project does not keep. Raises `LoadError`.
 
     rows: of a table. marks: of findings. loads: a value of a row, and its place for errors. renumber: for a mock-up
     with other parts than the project's. names: how those are called now, in requirements, rules and edits. keys: of
-    the parts now, for what was set aside and is there again.
+    the parts now, for what was set aside and is there again. known: the project's parts, for
+    what results know of those that are gone.
     """
     values: dict[str, Any] = {}
     texts = {row.id: row.value for row in rows("document")}
@@ -256,8 +260,9 @@ def restored(
     values = {name: value for name, value in values.items() if value is not MISSING}
     aside: tuple[Aside, ...] = ()
     back: tuple[str, ...] = ()
+    left = {} if renumber is None else left_of(known, renumber)
     if renumber is not None:
-        values, aside = _renumbered(values, renumber)
+        values, aside = _renumbered(with_gone(values, left), renumber)
         values, back = _with_back(values, rows("aside"), loads, {key: number for number, key in enumerate(keys)})
     if names is not None:
         values = _renamed(values, names, parts)
@@ -270,7 +275,7 @@ def restored(
     resolved = tuple(resolved_of(head))
     if rest is not None or there or resolved:  # a clash check of the command line writes rows alone
         found = [loads(row.value, _FINDINGS) for row in there]
-        made = _findings({_TABLE: head} if rest is None else rest, found, marks, base, parts, renumber)
+        made = _findings({_TABLE: head} if rest is None else rest, found, marks, base, parts, renumber, left)
         values[_FINDINGS] = replace(made, resolved=resolved)
     document = replace(base, **values)
     _check(document, len(parts))
@@ -284,6 +289,7 @@ def _findings(
     base: Document,
     parts: Parts,
     renumber: Renumber | None,
+    left: Left,
 ) -> Findings:
     facts = rest.get(_TABLE) if isinstance(rest, dict) else None
     table = table_of({**(facts if isinstance(facts, dict) else {}), "clashes": rows}, parts, base.absent, _FINDINGS)
@@ -296,9 +302,10 @@ def _findings(
     if renumber is not None and check is not None:
         of = None if check.of is None else numbers(check.of, renumber)
         values["check"] = replace(check, of=of, **_places(check, renumber))
-    if renumber is not None and "stale" in values:
-        values["stale"] = stale_now(values["stale"], renumber)
-    return replace(made, **values)
+    found = replace(made, **values)
+    if renumber is None:
+        return found
+    return replace(found, stale=stale_now(found.stale, renumber), gone=gone_now(found, left))
 
 
 def _marked(table: FindingTable, marks: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from feeler.workbench.document.arguments import Arguments, replaced
 from feeler.workbench.document.cards import MOST_CARDS, given_ways, line_setting
 from feeler.workbench.document.document import Card, Document, Removal, is_stale, line_world
 from feeler.workbench.document.known import Known, Way
+from feeler.workbench.document.line_facts import with_checked_lines
 from feeler.workbench.document.protocol import LineQuestion
 
 
@@ -66,7 +67,8 @@ def way_keep(document: Document, given: Arguments, known: Known) -> Document:
         world=line_world(document, at),
     )
     others = [each for each in document.cards if each.id == card.id or (each.line, each.question) != (new.id, "way")]
-    return replace(document, cards=tuple(kept if each.id == card.id else each for each in others))
+    cards = tuple(kept if each.id == card.id else each for each in others)
+    return with_checked_lines(replace(document, cards=cards))
 
 
 def _asked(document: Document, given: Arguments, question: LineQuestion) -> Document:

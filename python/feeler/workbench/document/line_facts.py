@@ -5,10 +5,12 @@ One rule for the page, its files and reports.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from feeler.poses import inverse
-from feeler.workbench.document.document import Card, Document, Removal, is_stale
+from feeler.workbench.document.document import NONE_GONE, UP_TO_DATE, Card, Document, Removal, is_stale
 from feeler.workbench.document.motion import Floats, matrix, middle_of, row, steps_of
 
 
@@ -41,3 +43,15 @@ def least_clearance(document: Document, line: Removal) -> float | None:
     """That of its newest check, if the way holds, else that of the hand; metres. None: nothing was near."""
     check = newest_check(document, line)
     return check.clearances[0] if check is not None and check.is_good and check.clearances else line.least_clearance
+
+
+def with_checked_lines(document: Document) -> Document:
+    """The document, in which lines whose way was checked in this revision of the mock-up are up to date."""
+    checks = ((line, newest_check(document, line) if line.stale or line.gone else None) for line in document.sequence)
+    checked = {line.id for line, check in checks if check is not None and check.is_good is not None}
+    if not checked:
+        return document
+    lines = (
+        replace(line, stale=UP_TO_DATE, gone=NONE_GONE) if line.id in checked else line for line in document.sequence
+    )
+    return replace(document, sequence=tuple(lines))

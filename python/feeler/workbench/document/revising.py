@@ -1,6 +1,6 @@
 """Which results are about an earlier revision of the mock-up: each result knows the parts that differ since.
 
-A part that a later revision has again as it was makes no result stale.
+A part that a later revision has again as it was makes no result stale that knew it.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from feeler.project.parts import PartContent, Revision
 from feeler.project.renaming import Left, named_parts
 from feeler.project.store import Row
 from feeler.workbench.document.document import (
+    NONE_GONE,
     Document,
     Findings,
     KeptClear,
@@ -24,11 +26,11 @@ from feeler.workbench.document.document import (
     Measure,
     Removal,
     Since,
+    Verdict,
 )
 from feeler.workbench.document.finding_rules import patterns_of
+from feeler.workbench.document.gone import MOST
 
-_MOST = 2_000
-"""Parts that a result names; a page lists some of them."""
 _STALE = '"stale":'
 _WORST = ("changed", "new", "moved")
 
@@ -58,7 +60,7 @@ def left_patterns(document: Document, left: Left) -> tuple[LeftPattern, ...]:
     patterns = {(word, "requirement"): None for each in document.requirements for word in (each.a, each.b)}
     patterns |= {(word, "rule"): None for word in patterns_of(document.clash.rules)}
     found = (LeftPattern(pattern, of, now, was) for pattern, of in patterns for was, now in left.of(pattern))
-    return tuple(itertools.islice(found, _MOST))
+    return tuple(itertools.islice(found, MOST))
 
 
 def with_older(
@@ -114,12 +116,12 @@ def with_check(document: Document, contents: Mapping[str, str], now: Sequence[Pa
         was = contents.get(now[part].key)
         if was is not None and was != now[part].content:
             stale[part] = found.stale.get(part) or Since("changed", was)
-    return replace(document, findings=replace(found, stale=_bounded(stale)))
+    return replace(document, findings=replace(found, stale=_bounded(stale), gone=NONE_GONE))
 
 
 def _findings(found: Findings, revision: Revision) -> Findings:
     # Parts without findings, too: they may have some now.
-    return replace(found, stale=_aged(found.stale, revision.differs, revision))
+    return replace(found, **_aged(found, revision.differs, revision))
 
 
 def _parts_of(found: Findings) -> list[int]:
@@ -130,12 +132,12 @@ def _parts_of(found: Findings) -> list[int]:
 
 
 def _measure(measure: Measure, revision: Revision) -> Measure:
-    return replace(measure, stale=_aged(measure.stale, measure.parts, revision))
+    return replace(measure, stale=_aged_stale(measure.stale, measure.parts, revision, NONE_GONE))
 
 
 def _line(line: Removal, revision: Revision) -> Removal:
     others = (part for part in revision.differs if part not in line.parts)
-    return replace(line, stale=_aged(line.stale, [*line.parts, *others], revision))
+    return replace(line, **_aged(line, [*line.parts, *others], revision))
 
 
 def _requirement(asked: KeptClear, revision: Revision, parts: Parts, selected: dict[str, list[int]]) -> KeptClear:
@@ -145,11 +147,18 @@ def _requirement(asked: KeptClear, revision: Revision, parts: Parts, selected: d
         if pattern not in selected:
             selected[pattern] = named_parts(pattern, parts)
     chosen = dict.fromkeys([*asked.verdict.parts, *selected[asked.a], *selected[asked.b]])
-    return replace(asked, verdict=replace(asked.verdict, stale=_aged(asked.verdict.stale, chosen, revision)))
+    return replace(asked, verdict=replace(asked.verdict, **_aged(asked.verdict, chosen, revision)))
 
 
-def _aged(stale: Sinces, parts: Iterable[int], revision: Revision) -> Sinces:
-    """The parts that differ, of those that a result is about, after another revision."""
+def _aged(result: Removal | Verdict | Findings, parts: Iterable[int], revision: Revision) -> dict[str, Any]:
+    """The fields of a result that differ after another revision. parts: those that it is about."""
+    gone = {key: content for key, content in result.gone.items() if key not in revision.keys}
+    stale = _aged_stale(result.stale, parts, revision, result.gone)
+    return {"stale": stale, "gone": MappingProxyType(gone)}
+
+
+def _aged_stale(stale: Sinces, parts: Iterable[int], revision: Revision, gone: Mapping[str, str]) -> Sinces:
+    """The parts that differ, of those that a result is about, after another revision. gone: as `NONE_GONE`."""
     found = dict(stale)
     for part in parts:
         step = revision.differs.get(part)
@@ -157,15 +166,17 @@ def _aged(stale: Sinces, parts: Iterable[int], revision: Revision) -> Sinces:
             continue
         change: str = step[0]
         content = step[1]
+        if change == "new" and (known := gone.get(revision.parts[part].key)):  # it is back
+            change, content = "changed", known
         was = found.get(part)
         if was is not None:
             change, content = min(change, was.change, key=_WORST.index), was.content
         if content == revision.parts[part].content:
-            del found[part]
+            found.pop(part, None)
         else:
             found[part] = Since(change, content)
     return _bounded(found)
 
 
 def _bounded(stale: Sinces) -> Sinces:
-    return MappingProxyType(dict(list(stale.items())[:_MOST]))
+    return MappingProxyType(dict(list(stale.items())[:MOST]))

@@ -84,6 +84,7 @@ def of_book(
         None if is_numbered else _numbering(revision, book.path),
         names,
         keys,
+        known,
     )
     document = with_older(kept.document, rows, known, _numbering(revision, book.path), parts)
     document = with_revision(document, revision, parts)

@@ -110,6 +110,7 @@ class Saver:
                 None if revision is None else _renumbering(revision),
                 names,
                 () if revision is None else [part.key for part in revision.parts],
+                known,
             )
             number = _same if revision is None else _renumbering(revision)
             document, aside = with_older(kept.document, rows, known, number, scene.mockup.parts), kept.aside

@@ -36,6 +36,7 @@ from feeler.workbench.document.guide_commands import GUIDES
 from feeler.workbench.document.history import History, Step
 from feeler.workbench.document.joint_commands import JOINTS, is_at_start
 from feeler.workbench.document.known import Known
+from feeler.workbench.document.line_facts import with_checked_lines
 from feeler.workbench.document.motion import Floats
 from feeler.workbench.document.protocol import CommandAnswer, DocumentFields, HeldManifest, Manifest, Turning
 from feeler.workbench.engine import measuring
@@ -599,7 +600,8 @@ class Session:
         now = self._document
         document = replace(document, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         document = replace(document, joint_ranges=now.joint_ranges)
-        return replace(document, project=now.project, cards=now.cards, next_card=now.next_card)
+        document = replace(document, project=now.project, cards=now.cards, next_card=now.next_card)
+        return with_checked_lines(document)
 
     def _engine_follows(self, before: Document, after: Document) -> None:
         if self._moves_engine(before, after):
