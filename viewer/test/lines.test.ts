@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { filmPath, filmPlaces, frameWay, hitAt } from "../src/actions/cards";
+import { ask, filmPath, filmPlaces, frameWay, hitAt, isAway } from "../src/actions/cards";
 import { askOfLine, guidePath, isGuiding, toggleGuide } from "../src/actions/lines";
 import type { Workbench } from "../src/actions/workbench";
 import type { CardAnswer, Document } from "../src/link/protocol";
@@ -100,4 +100,17 @@ test("a question about a line opens its answer", async () => {
   const wb = bench();
   await askOfLine(wb, "way_check", 3);
   assert.deepEqual(wb.ran, [["way_check", { id: 3 }]]);
+});
+
+test("a refused question opens no card, and a part that is away is known to be", async () => {
+  const store = new Store();
+  store.document.value = { cards: [{ id: 7 }], out: [3], gripped: [4] } as unknown as Document;
+  store.card.value = 5;
+  const wb = { store, run: () => Promise.resolve(false) } as unknown as Workbench;
+  await ask(wb, "removal", [3]);
+  assert.equal(store.card.value, 5, "another card stays closed");
+  assert.deepEqual(
+    [2, 3, 4].map((part) => isAway(wb, part)),
+    [false, true, true],
+  );
 });

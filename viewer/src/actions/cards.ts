@@ -44,15 +44,16 @@ export async function ask(
   // A double click asks once.
   if (isSame(given, asking)) return;
   asking = given;
+  let is_asked = false;
   try {
-    await wb.run("ask", given);
+    is_asked = await wb.run("ask", given);
   } finally {
     setTimeout(() => {
       asking = null;
     }, TWICE_MS);
   }
   const newest = store.document.peek()?.cards.at(-1);
-  if (newest) await openCard(wb, newest.id);
+  if (is_asked && newest) await openCard(wb, newest.id);
 }
 
 /**
@@ -98,6 +99,12 @@ export async function fetchAnswer(wb: Workbench, id: number): Promise<void> {
 
 export const cardOf = (wb: Workbench, id: number): Card | undefined =>
   wb.store.document.peek()?.cards.find((card) => card.id === id);
+
+/** Whether a part is out of the mock-up, or in the hand: it cannot be asked about then. */
+export function isAway(wb: Workbench, part: number): boolean {
+  const { out = [], gripped = [] } = wb.store.document.value ?? {};
+  return out.includes(part) || gripped.includes(part);
+}
 
 /** Asks again; the old answer is gone. */
 export async function askAgain(wb: Workbench, id: number): Promise<void> {

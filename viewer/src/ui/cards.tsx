@@ -1,7 +1,7 @@
 // Questions about parts, and their answers: cards that stay.
 
 import { useState } from "preact/hooks";
-import { ask, askAgain, openCard, removeCard, showPart } from "../actions/cards";
+import { ask, askAgain, isAway, openCard, removeCard, showPart } from "../actions/cards";
 import type { Card, CardAnswer, CardQuestion } from "../link/protocol";
 import { formatShare } from "../math/units";
 import { useWorkbench } from "./context";
@@ -185,7 +185,8 @@ function Blockers({ card, answer }: { card: Card; answer: CardAnswer }) {
               <button
                 type="button"
                 class="button small"
-                disabled={store.is_read_only.value}
+                disabled={store.is_read_only.value || isAway(wb, part)}
+                title={isAway(wb, part) ? "It is out already" : undefined}
                 onClick={() => ask(wb, "removal", [part])}
               >
                 Take it out first
