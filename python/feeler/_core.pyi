@@ -331,7 +331,7 @@ class Scene:
         touching: Touching,
         ignore: _Ignore = None,
     ) -> Cast | None: ...
-    def cast_within(
+    def _cast_within(
         self, tool: Tool, start: PoseLike, screw: Screw | Slide | Chain, *, tolerance: float, ignore: _Ignore = None
     ) -> Cast | None: ...
     @overload

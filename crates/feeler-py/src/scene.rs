@@ -606,7 +606,7 @@ impl Scene {
     }
 
     /// As a cast with `touching="free"`, and at the given poses, too, what enters is decided within the tolerance.
-    #[pyo3(signature = (tool, start, screw, *, tolerance, ignore = None))]
+    #[pyo3(name = "_cast_within", signature = (tool, start, screw, *, tolerance, ignore = None))]
     fn cast_within(
         &self,
         py: Python<'_>,

@@ -252,7 +252,7 @@ def _entering(
     def cast(overlap: float) -> Cast | None:
         found = around.cast(tool, pose, screw=way, tolerance=overlap, touching="free", ignore=ignore)
         if found is not None and found.fraction == 0.0 and leg.start != leg.end:
-            found = around.cast_within(tool, pose, way, tolerance=overlap, ignore=ignore)
+            found = around._cast_within(tool, pose, way, tolerance=overlap, ignore=ignore)
         return found
 
     overlap = TOLERANCE_M

@@ -253,9 +253,9 @@ class WatchedScene(Scene):
             self._noted.all()
         return found
 
-    def cast_within(self, tool: Any, start: Any, screw: Any, **options: Any) -> Any:
+    def _cast_within(self, tool: Any, start: Any, screw: Any, **options: Any) -> Any:
         """As the engine's."""
-        found = super().cast_within(tool, start, screw, **options)
+        found = super()._cast_within(tool, start, screw, **options)
         self._noted.all()
         return found
 
