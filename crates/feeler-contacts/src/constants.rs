@@ -437,10 +437,6 @@ pub const MOST_KEPT_TRIANGLES: usize = 1 << 22;
 /// walls.
 pub const OPPOSITE_FACES: f64 = -0.9;
 
-/// How far across the faces of a thin wall may be apart, as a multiple of its thickness: so far they are in its middle if they lean towards
-/// each other as much as they may.
-pub const WALL_REACH: f64 = 0.5 * (1.0 - 1.0 / OPPOSITE_FACES);
-
 /// How far the search for faces around a needle reaches, as a multiple of the largest thickness allowed. A triangular section with a
 /// corner of 26 degrees needs 2.7. Smaller: needles of flat section are missed.
 pub const NEEDLE_REACH: f64 = 3.0;
@@ -448,32 +444,12 @@ pub const NEEDLE_REACH: f64 = 3.0;
 /// How many rays look for the faces around a needle. Fewer: faces of needles with many sides are missed.
 pub const NEEDLE_RAYS: u32 = 16;
 
-/// The most that points are apart at which the line is looked at in which two surfaces cross, as a share of the largest thickness allowed.
-/// Larger: needles of which few points show that they are needles are missed.
-pub const LINE_STEP: f64 = 0.125;
+/// The most that points of a line that are looked at for needles are apart, as a share of the largest thickness allowed. Larger: needles of
+/// which few points show that they are needles are missed.
+pub const NEEDLE_STEP: f64 = 0.125;
 
 /// How many of them there are at most in a row. Fewer: very thin needles are missed in long lines, as where a needle lies on a wall.
-pub const MOST_LINE_POINTS: f64 = 1024.0;
-
-/// How many steps lead to the middle of a needle's section, and how much smaller each is than the one before: in all, half of the largest
-/// thickness eight times, and the last a hundredth of that. Fewer: thick bodies count as needles.
-pub const SECTION_STEPS: usize = 34;
-pub const SECTION_SHRINKING: f64 = 0.87;
-
-/// Share of half a needle's thickness that the other surface may pass beside where its plane meets the middle. Smaller: needles in curved walls
-/// are missed.
-pub const MIDDLE_SLACK: f64 = 0.25;
-
-/// How far from where two surfaces meet the middle of a wall may be looked for, as a multiple of its thickness: through a wall surfaces may
-/// slant by up to 70 degrees.
-pub const MIDDLE_REACH: f64 = 1.5;
-
-/// How many steps lead there at most. Fewer: thin rods that go through a wall at a slant are missed.
-pub const MIDDLE_STEPS: usize = 16;
-
-/// The square of the sine of the angle to a wall's normal below which what is near the middle of the wall is one of its faces. Smaller: steps
-/// away from it get too long.
-pub const LEAST_LEVEL: f64 = 0.1;
+pub const MOST_NEEDLE_POINTS: f64 = 1024.0;
 
 /// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
 pub const WALL_MIDDLE: f64 = 0.98;

@@ -10,8 +10,8 @@ from feeler.enumerations import CodedEnum
 class Verdict(CodedEnum):
     """The relation of two parts: words, with numbers (`.code`) from 0 on in their order.
 
-    Thin walls: two walls thinner than `2 contact` clash at any depth if they pierce each other, that is, where their
-    surfaces cross, each reaches the middle (98 %) of the other; or if they share more than `contact` of their
+    Thin walls: two walls thinner than `2 contact` clash at any depth if they pierce each other, that is, each reaches
+    the middle (98 %) of the other and their surfaces cross there; or if they share more than `contact` of their
     thickness side by side. A wall has faces that are parallel within 26 degrees; one of the two may be a needle of any
     section. Blunter tips and edges are no walls, and their depth says how far they penetrate. Walls side by side are
     found at the deepest point of each part. At the edge of this rule, rotation and triangulation can change the

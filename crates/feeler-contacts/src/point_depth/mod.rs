@@ -16,7 +16,6 @@ pub mod crossing;
 pub mod depth;
 mod distances;
 mod farthest;
-mod meeting;
 pub mod of_tool;
 mod off_surface;
 mod outline;

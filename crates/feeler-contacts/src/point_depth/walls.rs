@@ -1,14 +1,14 @@
 //! Thin walls that go through each other: no point of either is deeper than half its thickness, however far they cross.
 
-use feeler_core::geometry::vectors::{add, along, dot, length, scaled, sub, unit};
-use feeler_core::{Aabb, Point};
+use feeler_core::geometry::vectors::{add, along, cross, dot, length, precise_normal, scaled, sub, unit};
+use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{distance_to, Body};
 use super::depth::{point_depth_from, PointDepth};
-use super::meeting::{piercing, Meeting};
 use super::shared_line::{shared, SharedLine, Span};
 use crate::constants::{
-    FLUSH_ROUNDINGS, LINE_STEP, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP, WALL_MIDDLE, WALL_REACH,
+    FLUSH_ROUNDINGS, NEEDLE_RAYS, NEEDLE_REACH, NEEDLE_STEP, OPPOSITE_FACES, SAME_FACE_NORMAL, SIDE_EXCESS, SIDE_STEP,
+    WALL_MIDDLE,
 };
 
 /// Whether two bodies clash as thin walls, although no point of either is deeper than `contact` (metres) in the other: they cross, or
@@ -20,8 +20,8 @@ pub fn are_walls_clashing([a, b]: [&Body; 2], contact: f64) -> bool {
         || is_side_by_side(b, a, contact, &deepest[1])
 }
 
-/// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and the surface of each
-/// goes through the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. Thin walls are
+/// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and points of each lie
+/// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. Thin walls are
 /// thinner than twice `contact` (metres).
 fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> bool {
     let least = FLUSH_ROUNDINGS * a.rounding().max(b.rounding());
@@ -36,27 +36,24 @@ fn are_crossing([a, b]: [&Body; 2], contact: f64, deepest: &[PointDepth; 2]) -> 
     (0..few.len() as u32).any(|i| {
         let t = few.triangle(i).map(|p| add(&p, &shift));
         let is_crossing_walls = |j: u32| {
-            let outward = [few.outward(i)?, many.outward(j)?];
-            let line = SharedLine::new([&t, many.triangle(j)], outward, least)?;
-            let own = line.moved(&scaled(&shift, -1.0)).before_walls(few, i, WALL_REACH * thickness[0], least);
-            let other = line.before_walls(many, j, WALL_REACH * thickness[1], least);
+            let normals = [few.outward(i)?, many.outward(j)?];
+            let line = SharedLine::new([&t, many.triangle(j)], normals, least)?;
+            let of_few = line.moved(&scaled(&shift, -1.0));
+            let own = of_few.before_walls(few, i, thickness[0], least);
+            let other = line.before_walls(many, j, thickness[1], least);
             if own.is_empty() && other.is_empty() {
                 return None;
             }
             let crossing = line.where_through([few, many], &shift, least);
             let (own, other) = (shared(&own, &crossing), shared(&other, &crossing));
-            let is_at = |spans: &[Span], thinner: f64, is_crossing: &dyn Fn(&Meeting<'_>) -> bool| {
+            let is_needle_at = |line: &SharedLine, body: &Body, i: u32, thickness: f64, spans: &[Span]| {
                 // A power of two, which small errors of depths hardly change.
-                let step = (LINE_STEP * thinner).log2().floor().exp2();
-                line.points(spans, step, many.origin())
-                    .any(|p| is_crossing(&Meeting { bodies: [few, many], at: [sub(&p, &shift), p], outward }))
+                let step = (NEEDLE_STEP * thickness).log2().floor().exp2();
+                line.points(spans, step, body.origin()).any(|at| is_needle(body, i, &at, thickness))
             };
-            let is_wall = |meeting: &Meeting<'_>, body: usize| meeting.is_wall(body, thickness[body]);
-            let is_needle = |meeting: &Meeting<'_>, body: usize| meeting.is_needle(body, thickness[body]);
-            let is_crossing = is_at(&shared(&own, &other), thickness[0].min(thickness[1]), &|meeting| {
-                is_wall(meeting, 0) && is_wall(meeting, 1)
-            }) || is_at(&own, thickness[1], &|meeting| is_needle(meeting, 1) && is_wall(meeting, 0))
-                || is_at(&other, thickness[0], &|meeting| is_needle(meeting, 0) && is_wall(meeting, 1));
+            let is_crossing = !shared(&own, &other).is_empty()
+                || is_needle_at(&line, many, j, thickness[1], &own)
+                || is_needle_at(&of_few, few, i, thickness[0], &other);
             is_crossing.then_some(())
         };
         many.find_overlapping(&Aabb::of_triangle(&t), is_crossing_walls).is_some()
@@ -81,11 +78,10 @@ fn is_side_by_side(own: &Body, wall: &Body, contact: f64, found: &PointDepth) ->
             [own, wall].map(|body| nearest_face([&sub(&p, body.origin()), &sub(&end, body.origin())], body))
         };
         let ways = [far(1.0), far(-1.0)];
-        // Across an edge the way is short, too, but its ends do not look opposite ways; at a slant through a wall, they do not look along it.
+        // Across an edge the way is short, too, but its ends do not look opposite ways.
         let are_walls = [0, 1].iter().all(|body: &usize| {
             let [(one, p), (other, q)] = ways.map(|way| way[*body]);
-            let is_along = dot(&p, across) >= -OPPOSITE_FACES && dot(&q, across) <= OPPOSITE_FACES;
-            one + other <= thickest && dot(&p, &q) <= OPPOSITE_FACES && is_along
+            one + other <= thickest && dot(&p, &q) <= OPPOSITE_FACES
         });
         let shared = ways.iter().map(|[of_own, of_wall]| of_own.0.min(of_wall.0)).sum::<f64>();
         let is_inside = |body: &Body| body.is_inside(&sub(&p, body.origin())) == Some(true);
@@ -129,6 +125,80 @@ fn nearest_face([p, q]: [&Point; 2], body: &Body) -> (f64, Point) {
         None::<()>
     });
     nearest
+}
+
+/// Whether the body is a needle behind a point of a triangle: the triangle's face and two others enclose a section in which no point is
+/// deeper than half this thickness. Tips and edges are not needles, since they become thicker farther in.
+///
+/// If weights that sum to 1 cancel the three normals, the weighted sum of a point's depths behind the faces is the same for all points. So
+/// it is the depth of the point that is equally deep behind all three, which is the deepest.
+fn is_needle(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
+    let Some(outward) = body.outward(i) else { return false };
+    let reach = NEEDLE_REACH * thickness;
+    let Some((first, behind)) = face_along(body, at, &scaled(&outward, -reach)) else { return false };
+    // A wall that is too thick; its faces span no plane.
+    if dot(&outward, &first) <= OPPOSITE_FACES {
+        return false;
+    }
+    let Some(axis) = unit(&cross(&outward, &first)) else { return false };
+    let (aside, middle) = (cross(&axis, &outward), scaled(&add(at, &behind), 0.5));
+    // Each face around as its normal, and how deep the point of the triangle is behind it.
+    let around: Vec<(Point, f64)> = (0..NEEDLE_RAYS)
+        .filter_map(|n| {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(n) / f64::from(NEEDLE_RAYS)).sin_cos();
+            let (normal, hit) =
+                face_along(body, &middle, &add(&scaled(&outward, reach * cosine), &scaled(&aside, reach * sine)))?;
+            Some((normal, dot(&normal, &sub(&hit, at))))
+        })
+        .collect();
+    around.iter().enumerate().any(|(n, (p, p_depth))| {
+        around[..n].iter().any(|(q, q_depth)| {
+            let weights = [[p, q], [q, &outward], [&outward, p]].map(|[m, n]| dot(&axis, &cross(m, n)));
+            let sum: f64 = weights.iter().sum();
+            if sum == 0.0 || weights.iter().any(|weight| weight / sum <= 0.0) {
+                return false;
+            }
+            let [_, by_p, by_q] = weights.map(|weight| weight / sum);
+            let left = by_p * dot(&axis, p) + by_q * dot(&axis, q);
+            left * left <= 0.5 * (1.0 + OPPOSITE_FACES) && by_p * p_depth + by_q * q_depth <= 0.5 * thickness
+        })
+    })
+}
+
+/// The outward normal of the first face that a ray from inside meets, and where, no farther than the ray is long.
+fn face_along(body: &Body, from: &Point, ray: &Point) -> Option<(Point, Point)> {
+    let (end, mut first) = (add(from, ray), None);
+    let mut nearest = f64::INFINITY;
+    body.tree().find_on_segment([from, &end], body.rounding(), |j| {
+        if let (Some(n), Some(hit)) = (body.outward(j), piercing([from, &end], body.triangle(j), 0.0)) {
+            let far = dot(&sub(&hit, from), ray);
+            if dot(&n, ray) > 0.0 && far < nearest {
+                (nearest, first) = (far, Some((n, hit)));
+            }
+        }
+        None::<()>
+    });
+    first
+}
+
+/// Where a segment goes through a triangle, no nearer to its border than `inset` (metres).
+fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
+    let n = precise_normal(t)?;
+    let (h, k) = (dot(&n, &sub(p, &t[0])), dot(&n, &sub(q, &t[0])));
+    if h * k >= 0.0 {
+        return None;
+    }
+    let s = h / (h - k);
+    let at: Point = std::array::from_fn(|a| p[a] + s * (q[a] - p[a]));
+    is_within(&at, t, &n, inset).then_some(at)
+}
+
+/// Whether a point of the plane of a triangle is in it, no nearer to its border than `inset` (metres).
+fn is_within(at: &Point, t: &Triangle, n: &Point, inset: f64) -> bool {
+    (0..3).all(|i| {
+        let side = sub(&t[(i + 1) % 3], &t[i]);
+        dot(&cross(n, &side), &sub(at, &t[i])) >= inset * length(&side)
+    })
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-"""Threads, rings, splines and twisted pins are no thin walls, however their faces lie; thin fins of thick parts are."""
+"""Rings and splines of thick pins are no thin walls; thin fins of thick parts, needles and screws through foils are."""
 
 from __future__ import annotations
 
@@ -33,18 +33,20 @@ def pin(radii: Floats, heights: Floats, turns: Floats) -> Mesh:
 
 def ridged(kind: str, height: float) -> Mesh:
     """A pin of radius 1 with ridges of a height; as high as 0, without."""
-    z, angles = np.linspace(-3, 3, 97), np.arange(32) / 32
+    z = np.linspace(-3, 3, 97)
     still = np.zeros(len(z))
-    if kind == "screw":
-        return pin(1 - height * np.abs(2 * ((z[:, None] / 0.375 - angles) % 1) - 1), z, still)
     if kind == "rings":
         return pin(np.tile(1 - height * (np.arange(len(z)) % 2)[:, None], (1, 32)), z, still)
-    if kind == "splines":
-        return pin(np.tile(1 - height * (np.arange(32) % 2), (2, 1)), z[[0, -1]], still[:2])
-    return pin(np.tile(1 - height * np.cos(4 * math.pi * angles) ** 2, (len(z), 1)), z, 4 * z)
+    return pin(np.tile(1 - height * (np.arange(32) % 2), (2, 1)), z[[0, -1]], still[:2])
 
 
-@pytest.mark.parametrize("kind", ["screw", "rings", "splines", "twisted"])
+def screw(sides: int, steps: int) -> Mesh:
+    """M6 of pitch 1 mm, closed, in millimetres."""
+    z, angles = np.arange(-8 * steps, 8 * steps + 1) / steps, np.arange(sides) / sides
+    return pin(3 - 0.61 * np.abs(2 * ((z[:, None] - angles) % 1) - 1), z, np.zeros(len(z)))
+
+
+@pytest.mark.parametrize("kind", ["rings", "splines"])
 def test_a_ridged_pin_that_is_too_thick_is_no_wall(kind: str) -> None:
     """It is in contact as it would be without ridges: its plate stays away from its middle."""
     rng = np.random.default_rng(7)
@@ -102,3 +104,19 @@ def test_parallel_fins_clash_with_a_sheet_through_them() -> None:
         turn = random_turn(np.random.default_rng(number))
         moved = {name: (mesh[0] @ turn.T, mesh[1]) for name, mesh in (("comb", comb), ("sheet", sheet))}
         assert feeler.clash(mockup_of(moved), contact=1.0)[0].verdict == Verdict.CLASH
+
+
+@pytest.mark.parametrize("thick", [0.5, 1.8, 3.0])
+@pytest.mark.parametrize(("sides", "steps"), [(12, 4), (24, 8), (32, 12)])
+def test_a_screw_through_a_sheet_clashes_whatever_its_facets(sides: int, steps: int, thick: float) -> None:
+    rng = np.random.default_rng(7)
+    vertices, faces = screw(sides, steps)
+    sheet, its_faces = box((-20, -20, -thick / 2), (20, 20, thick / 2))
+    for shift in (0.0, 0.2, 0.6):
+        turn = random_turn(rng)
+        moved = {
+            "sheet": (sheet @ turn.T, its_faces),
+            "screw": ((vertices + np.array([0, 0, shift])) @ turn.T, faces),
+        }
+        (row,) = feeler.clash(mockup_of(moved), contact=4.0)
+        assert row.verdict == Verdict.CLASH and row.depth < 4.0
