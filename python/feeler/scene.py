@@ -137,7 +137,7 @@ class Scene(_core.Scene):
         check_progress(progress)
         if voxel_size is None and tool is not None and storage in ("dense", "hashed"):
             level = check_real("hashing", hashing)
-            if 0.0 <= level <= (0.99 if storage == "hashed" else 0.0):  # the core says what is wrong with others
+            if 0.0 <= level <= (0.99 if storage == "hashed" else 0.0):  # the core refuses other values, in words
                 voxel_size = _calibrated_size(mockup, tool, storage, level, memory_limit)
         start = time.perf_counter()
         file = mockup._saved

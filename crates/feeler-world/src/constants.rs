@@ -87,8 +87,8 @@ pub const BEYOND_GRAIN: f64 = 0.5;
 /// at its middle, until it is small.
 pub const MOST_CUTS: usize = 4;
 
-/// Points no farther than this from a plane, metres, are in it: above rounding in a mock-up of a kilometre. Larger: what is in a neighbour
-/// ends so far off its surface.
+/// Points no farther than this from a plane, metres, are in it: above rounding in a mock-up of a kilometre. Larger: the part of a
+/// surface that counts as inside a neighbour ends this far from the neighbour's surface.
 pub const SAME_PLANE: f64 = 1e-9;
 
 /// Most pieces that a surface is cut into to find what lies beyond a place. Fewer: more of a surface that is near a large place all

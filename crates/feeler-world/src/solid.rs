@@ -1,4 +1,4 @@
-//! Whether a point is in the solid of what is there.
+//! Whether a point is inside a solid of a scene.
 
 use feeler_core::geometry::vectors::{along, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Ray, Scene};

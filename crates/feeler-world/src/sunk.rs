@@ -314,7 +314,7 @@ impl Surroundings {
         self.around.get(body)?.iter().find(|around| around.pair == pair)
     }
 
-    /// The size that a sunk pair's tolerances are shares of, metres: of what moves through the other's place.
+    /// The size of the body that moves through the other's place, metres: tolerances of a sunk pair are shares of it.
     pub(crate) fn size_of_pair(&self, body: usize, pair: [u32; 2]) -> f64 {
         self.around_of(body, pair).map_or(self.size, |around| around.size)
     }

@@ -15,7 +15,7 @@ Floats = npt.NDArray[np.float64]
 
 ROUNDING_RAD = 1e-5
 """Axes that are off by less are meant to be parallel, or at right angles."""
-_MEANT_RAD = 0.1  # what is off by less may be meant so: it is told where a loop does not move
+_MEANT_RAD = 0.1  # a smaller angle between two axes may be intended: it is reported if the loop does not move
 
 
 def aligned(joints: Sequence[Joint]) -> list[Joint]:

@@ -38,7 +38,7 @@ FINE = 0.25
 CENTRING = 8
 """Directions across the axis in which a wider place is sought."""
 _THIN = 1e-9  # the width of a triangle that stands for a line, metres
-_ROUNDING = 1e-12  # of sizes, metres: what is as wide as its limit goes through
+_ROUNDING = 1e-12  # of sizes, metres: a body exactly as wide as the limit goes through
 
 
 @documented

@@ -409,7 +409,7 @@ export interface JointPlace {
   readonly value: number;
   /** What ends it there. end: neither contact nor a limit, and `why` says what. */
   readonly stop: "contact" | "limit" | "end" | null;
-  /** What it meets. */
+  /** The contact that stops the joint; null without one. */
   readonly met: JointMet | null;
   readonly why: string;
   /** All numbers. */

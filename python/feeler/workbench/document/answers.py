@@ -26,7 +26,7 @@ class JointPlace(TypedDict):
     stop: Literal["contact", "limit", "end"] | None
     """What ends it there. end: neither contact nor a limit, and `why` says what."""
     met: JointMet | None
-    """What it meets."""
+    """The contact that stops the joint; null without one."""
     why: str
     values: dict[str, float]
     """All numbers."""

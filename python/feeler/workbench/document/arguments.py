@@ -140,7 +140,7 @@ class Arguments:
         return value
 
     def text(self, name: str, most: int = _MOST_TEXT, *, may_be_empty: bool = False) -> str:
-        """A text; `may_be_empty`: that of a file, which says itself what it lacks."""
+        """A text; `may_be_empty`: of a file, whose reader reports what is missing in it."""
         value = self.raw(name, str)
         if not isinstance(value, str) or not (value.strip() or may_be_empty) or len(value) > most:
             least = 0 if may_be_empty else 1

@@ -245,7 +245,7 @@ def restored(
 
     rows: of a table. marks: of findings. loads: a value of a row, and its place for errors. renumber: for a mock-up
     with other parts than the project's. names: how those are called now, in requirements, rules and edits. keys: of
-    the parts now, for what was set aside and is there again. known: the project's parts, for
+    the present parts, for results that were set aside and come back. known: the project's parts, for
     what results know of those that are gone.
     """
     values: dict[str, Any] = {}
@@ -488,7 +488,7 @@ def _renumbered(values: dict[str, Any], renumber: Renumber) -> tuple[dict[str, A
 
 
 def aside_row(aside: Aside, keys: Sequence[str], at: str) -> str:
-    """What is set aside, as a row. keys: of the parts then. at: the time."""
+    """A result that is set aside, as a row of the file. keys: of its parts at that time. at: the time."""
     named = {str(part): keys[part] for part in aside.parts}
     return f'{{"kind":{dumps(aside.kind)},"at":{dumps(at)},"keys":{dumps(named)},"thing":{encoded(aside.thing)}}}'
 
@@ -496,10 +496,10 @@ def aside_row(aside: Aside, keys: Sequence[str], at: str) -> str:
 def _with_back(
     values: dict[str, Any], rows: Sequence[Row], loads: Callable[[str, str], Any], number: Mapping[str, int]
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """The values with what was set aside and has all its parts now; and the ids of its rows."""
+    """The values, with the results that were set aside and have all their parts again; and the ids of their rows."""
     found, back = dict(values), []
     for row in rows:
-        row_value, where = loads(row.value, "aside"), f"row {row.id} of what was set aside"
+        row_value, where = loads(row.value, "aside"), f"row {row.id} of the results set aside"
         kind = row_value.get("kind") if isinstance(row_value, dict) else None
         if (
             not isinstance(kind, str) or kind not in KINDS or "keys" not in row_value

@@ -1,4 +1,4 @@
-"""What is known of a line of the sequence: the length of its way, its newest check and least clearance.
+"""The length of a line's way, its newest check and its least clearance.
 
 One rule for the page, its files and reports.
 """
